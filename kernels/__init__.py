@@ -1,0 +1,1 @@
+"""Device code: the physics as Warp kernels; the theory is in README.md beside this file."""

@@ -1,0 +1,134 @@
+"""Conservative filters: whether two bodies, or two features, could touch before the next rebuild.
+
+``reach`` is R_i + R_j + skin: nothing whose cores stay farther apart than that can touch while the
+two bodies together move by less than the skin.
+"""
+
+import warp as wp
+
+from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.views import Bodies, Geometry
+
+
+@wp.func
+def boxes_near(geometry: Geometry, bodies: Bodies, i: int, j: int, reach: real) -> bool:
+    """Separating-axis test of the two core boxes over their six face normals."""
+    shape_i = geometry.shape[i]
+    shape_j = geometry.shape[j]
+    rotation_i = bodies.rotation[i]
+    rotation_j = bodies.rotation[j]
+    half_i = geometry.core_half[shape_i] * geometry.scale[i]
+    half_j = geometry.core_half[shape_j] * geometry.scale[j]
+    middle_i = rotation_i * (geometry.core_middle[shape_i] * geometry.scale[i])
+    middle_j = rotation_j * (geometry.core_middle[shape_j] * geometry.scale[j])
+    d = bodies.position[i] - bodies.position[j] + middle_i - middle_j
+    turn = wp.transpose(rotation_i) * rotation_j
+    d_i = wp.transpose(rotation_i) * d
+    d_j = wp.transpose(rotation_j) * d
+    for k in range(3):
+        shadow = real(0.0)
+        other = real(0.0)
+        for m in range(3):
+            shadow += half_j[m] * wp.abs(turn[k, m])
+            other += half_i[m] * wp.abs(turn[m, k])
+        if wp.abs(d_i[k]) > half_i[k] + shadow + reach:
+            return False
+        if wp.abs(d_j[k]) > half_j[k] + other + reach:
+            return False
+    return True
+
+
+@wp.func
+def bodies_near(geometry: Geometry, bodies: Bodies, i: int, j: int, skin: real) -> bool:
+    """Whether two bodies could touch within the skin: bounding spheres, then core boxes."""
+    if geometry.large[i] == 0 and geometry.large[j] == 0:
+        near = geometry.bound[i] + geometry.bound[j] + skin
+        if wp.length_sq(bodies.position[i] - bodies.position[j]) > near * near:
+            return False
+    reach = geometry.radius[i] + geometry.radius[j] + skin
+    return boxes_near(geometry, bodies, i, j, reach)
+
+
+@wp.func
+def in_box(x: vec3, middle: vec3, half: vec3, reach: real) -> bool:
+    """Whether a point lies in a box grown by ``reach``."""
+    for k in range(3):
+        if wp.abs(x[k] - middle[k]) > half[k] + reach:
+            return False
+    return True
+
+
+@wp.func
+def boxes_meet(a: vec3, b: vec3, middle: vec3, half: vec3, reach: real) -> bool:
+    """Whether the box around the segment a b meets a box grown by ``reach``."""
+    for k in range(3):
+        if wp.min(a[k], b[k]) > middle[k] + half[k] + reach:
+            return False
+        if wp.max(a[k], b[k]) < middle[k] - half[k] - reach:
+            return False
+    return True
+
+
+@wp.func
+def vertex_near_edge(p: vec3, a: vec3, b: vec3, reach: real, skin: real) -> bool:
+    """Distance within ``reach`` and foot within ``skin`` of the edge's ends."""
+    e = b - a
+    w = p - a
+    square = wp.dot(e, e)
+    r = wp.dot(w, e)
+    slack = skin * wp.sqrt(square)
+    if r < -slack or r - square > slack:
+        return False
+    return wp.length_sq(w - e * wp.clamp(r / square, real(0.0), real(1.0))) <= reach * reach
+
+
+@wp.func
+def edges_near(p: vec3, p1: vec3, q: vec3, q1: vec3, reach: real) -> bool:
+    """Whether two segments are within ``reach``; Ericson (2005), Real-Time Collision Detection."""
+    u = p1 - p
+    v = q1 - q
+    w = p - q
+    uu = wp.dot(u, u)
+    vv = wp.dot(v, v)
+    uv = wp.dot(u, v)
+    uw = wp.dot(u, w)
+    vw = wp.dot(v, w)
+    area = uu * vv - uv * uv
+    s = real(0.0)
+    if area > real(1.0e-12) * uu * vv:
+        s = wp.clamp((uv * vw - uw * vv) / area, real(0.0), real(1.0))
+    t = (uv * s + vw) / vv
+    if t < real(0.0):
+        t = real(0.0)
+        s = wp.clamp(-uw / uu, real(0.0), real(1.0))
+    elif t > real(1.0):
+        t = real(1.0)
+        s = wp.clamp((uv - uw) / uu, real(0.0), real(1.0))
+    return wp.length_sq(w + u * s - v * t) <= reach * reach
+
+
+@wp.func
+def vertex_near_face(
+    geometry: Geometry, face: int, x: vec3, scale: real, reach: real, skin: real
+) -> bool:
+    """Height within ``reach`` (or behind the face within its depth), foot within ``skin`` of it.
+
+    ``x`` is in the unscaled frame of the face's shape.
+    """
+    height = (wp.dot(geometry.normal[face], x) - geometry.offset[face]) * scale
+    if height > reach:
+        return False
+    if height < -(geometry.depth[face] * scale + skin) and height < -reach:
+        return False
+    if geometry.face_convex[face] == 0:
+        return True
+    for side in range(geometry.side_start[face], geometry.side_start[face + 1]):
+        plane = geometry.side_above[side]
+        out = plane[0] * x[0] + plane[1] * x[1] + plane[2] * x[2] - plane[3]
+        below = real(0.0)
+        if height < real(0.0):
+            # behind the face its region may widen with depth (concave borders)
+            below = -height
+        if out * scale > skin + below:
+            return False
+    return True

@@ -1,0 +1,203 @@
+"""Kick-drift-kick on linear momentum and world angular momentum; one thread a body.
+
+A step is: half kick and drift (``drift``), forces, half kick (``kick``). Tuckerman, Berne & Martyna
+(1992), doi:10.1063/1.463137, for the scheme; tools/design for the measurements.
+"""
+
+import functools
+
+import warp as wp
+
+from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.rotation import arc, exponential
+from warpdem.kernels.variant import plain, variant
+from warpdem.kernels.views import Account, Bodies, Clock, Geometry, Incidence, Inertia, Pairs
+
+
+@wp.func
+def world_inverse(rotation: mat33, inverse_moment: vec3, momentum: vec3) -> vec3:
+    """World I^-1 L from the rotation matrix; zero for a fixed body."""
+    return rotation * wp.cw_mul(wp.transpose(rotation) * momentum, inverse_moment)
+
+
+@wp.func
+def place_arms(geometry: Geometry, bodies: Bodies, body: int):
+    """Vertices of a body about its centre in world axes [m]."""
+    shape = geometry.shape[body]
+    first = geometry.vertex_start[shape]
+    scale = geometry.scale[body]
+    start = geometry.arm_start[body]
+    for k in range(geometry.vertex_start[shape + 1] - first):
+        bodies.arm[start + k] = bodies.rotation[body] * geometry.vertex[first + k] * scale
+
+
+@wp.func
+def watch(geometry: Geometry, bodies: Bodies, clock: Clock, body: int, dt: real, reach: real):
+    """Note a body that left its skin, or that moved more than its own size in one step (or NaN)."""
+    bound = geometry.bound[body]
+    speed = wp.length(bodies.velocity[body])
+    turn = wp.length(bodies.spin[body])
+    if not ((speed + real(0.3) * turn * bound) * dt <= bound):
+        clock.fault[0] = 1
+    moved = wp.length(bodies.position[body] - bodies.listed_position[body])
+    turned = arc(bodies.orientation[body], bodies.listed_orientation[body])
+    if not (moved + bound * turned <= reach):
+        clock.moved[0] = 1
+
+
+@plain
+def orient(
+    # model
+    geometry: Geometry,
+    # in and out
+    bodies: Bodies,
+):
+    """Rotation matrix and vertices of every body from its orientation."""
+    body = wp.tid()
+    bodies.rotation[body] = wp.quat_to_matrix(bodies.orientation[body])
+    place_arms(geometry, bodies, body)
+
+
+@functools.cache
+def drift(rotate: wp.Function, *, predicted: bool, driven: bool) -> wp.Kernel:
+    """Kernel of the first half kick and the drift; ``rotate`` is a drift of kernels.rotation."""
+
+    @variant
+    def drift(
+        # model
+        geometry: Geometry,
+        inertia: Inertia,
+        # in
+        dt: real,
+        reach: real,
+        first: int,
+        # in and out
+        bodies: Bodies,
+        # out
+        clock: Clock,
+    ):
+        body = wp.tid() + first
+        if clock.halted[0] != 0:
+            return
+        half = real(0.5) * dt
+        if inertia.inverse_mass[body] == real(0.0):
+            if wp.static(driven):
+                if inertia.driven[body] != 0:
+                    spin = bodies.spin[body]
+                    bodies.position[body] = bodies.position[body] + bodies.velocity[body] * dt
+                    bodies.orientation[body] = exponential(bodies.orientation[body], spin, dt)
+                    bodies.rotation[body] = wp.quat_to_matrix(bodies.orientation[body])
+                    place_arms(geometry, bodies, body)
+                    watch(geometry, bodies, clock, body, real(0.0), reach)
+            return
+        force = bodies.force[body]
+        torque = bodies.torque[body]
+        momentum = bodies.momentum[body] + force * half
+        velocity = momentum * inertia.inverse_mass[body]
+        bodies.momentum[body] = momentum
+        bodies.velocity[body] = velocity
+        bodies.position[body] = bodies.position[body] + velocity * dt
+        q, spun = rotate(
+            bodies.orientation[body],
+            bodies.angular_momentum[body],
+            torque,
+            inertia.moment[body],
+            dt,
+        )
+        bodies.orientation[body] = q
+        bodies.angular_momentum[body] = spun
+        rotation = wp.quat_to_matrix(q)
+        bodies.rotation[body] = rotation
+        inverse = inertia.inverse_moment[body]
+        bodies.spin[body] = world_inverse(rotation, inverse, spun)
+        if wp.static(predicted):
+            bodies.velocity_end[body] = velocity + force * (half * inertia.inverse_mass[body])
+            bodies.spin_end[body] = world_inverse(rotation, inverse, spun + torque * half)
+        place_arms(geometry, bodies, body)
+        watch(geometry, bodies, clock, body, dt, reach)
+
+    return drift
+
+
+@plain
+def halt(
+    # in and out
+    clock: Clock,
+):
+    """End of a step's drift: count it, and stop the batch where the host has to act."""
+    if clock.halted[0] == 0:
+        clock.steps[0] = clock.steps[0] + 1
+        if clock.moved[0] != 0 or clock.fault[0] != 0:
+            clock.halted[0] = 1
+
+
+@wp.func
+def gather(bodies: Bodies, pairs: Pairs, incidence: Incidence, body: int):
+    """Contact force and torque on a body, summed over its pairs in a fixed order."""
+    force = vec3()
+    torque = vec3()
+    position = bodies.position[body]
+    for k in range(incidence.start[body], incidence.start[body + 1]):
+        code = incidence.pair[k]
+        pair = code >> 1
+        if pairs.touching[pair] > 0:
+            f = pairs.force[pair]
+            if (code & 1) == 0:
+                branch = position - bodies.position[pairs.partner[pair]]
+                force += f
+                torque += pairs.torque[pair] - wp.cross(branch, f)
+            else:
+                force -= f
+                torque -= pairs.torque[pair]
+    return force, torque
+
+
+@functools.cache
+def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
+    """Kernel of the gathering of forces and the second half kick."""
+
+    @variant
+    def kick(
+        # model
+        inertia: Inertia,
+        gravity: vec3,
+        # in
+        dt: real,
+        first: int,
+        pairs: Pairs,
+        incidence: Incidence,
+        clock: Clock,
+        # in and out
+        bodies: Bodies,
+        # out
+        energy: Account,
+    ):
+        body = wp.tid() + first
+        if clock.halted[0] != 0:
+            return
+        free = inertia.inverse_mass[body] != real(0.0)
+        if not free:
+            if wp.static(not account):
+                return
+            if inertia.driven[body] == 0:
+                return
+        force = vec3()
+        torque = vec3()
+        if wp.static(contacts):
+            force, torque = gather(bodies, pairs, incidence, body)
+        if free:
+            force += gravity / inertia.inverse_mass[body]
+            spun = bodies.angular_momentum[body]
+            torque = torque_of(torque, bodies.spin[body], spun)
+            half = real(0.5) * dt
+            bodies.force[body] = force
+            bodies.torque[body] = torque
+            bodies.momentum[body] = bodies.momentum[body] + force * half
+            bodies.angular_momentum[body] = spun + torque * half
+        else:
+            power = -wp.dot(force, bodies.velocity[body]) - wp.dot(torque, bodies.spin[body])
+            mean = real(0.5) * (power + energy.power[body])
+            energy.work[body] = energy.work[body] + mean * dt
+            energy.power[body] = power
+
+    return kick

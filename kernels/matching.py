@@ -1,0 +1,79 @@
+"""What a contact remembers when its feature pair changes: history moves with the contact point.
+
+A vertex that slides over the border of a face goes on along the border edge or over the next face;
+its friction must not start anew there.
+"""
+
+import functools
+
+import warp as wp
+
+from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.views import Bodies, Candidates, Geometry
+
+
+@wp.func
+def successor(
+    candidates: Candidates, start: int, touching: int, point: vec3, reach: real
+) -> int:
+    """Touching candidate whose contact point lies nearest, one that is new before others; or -1."""
+    best = int(-1)
+    nearest = reach * reach
+    fresh = bool(False)
+    for slot in range(start, start + touching):
+        c = candidates.which[slot]
+        away = candidates.point[slot] - point
+        square = wp.dot(away, away)
+        new = candidates.past[c][3] == real(-1.0)
+        if square <= reach * reach:
+            if (new and not fresh) or (new == fresh and square < nearest):
+                best = c
+                nearest = square
+                fresh = new
+    return best
+
+
+@functools.cache
+def hand_over(gap_of: wp.Function, *, rolling: bool) -> wp.Function:
+    """Function that moves the history of contacts whose foot left its feature to their successors.
+
+    Such contacts are marked by past[3] = -2 - fn. A new contact takes over the whole history, one
+    that touched already adds the tangential force (and moment) to its own; the cap of the next
+    force pass cuts what its normal force cannot carry.
+    """
+
+    @wp.func
+    def hand_over(
+        geometry: Geometry,
+        bodies: Bodies,
+        candidates: Candidates,
+        i: int,
+        j: int,
+        d: vec3,
+        start: int,
+        end: int,
+        touching: int,
+    ):
+        reach = geometry.radius[i] + geometry.radius[j]
+        for c in range(start, end):
+            past = candidates.past[c]
+            if past[3] <= real(-2.0):
+                hit = gap_of(geometry, bodies, i, j, d, real(0.0), candidates.code[c])
+                heir = successor(candidates, start, touching, hit.point, reach)
+                if heir >= 0:
+                    own = candidates.past[heir]
+                    if own[3] == real(-1.0):
+                        candidates.past[heir] = vec4(
+                            past[0], past[1], past[2], real(-2.0) - past[3]
+                        )
+                    else:
+                        candidates.past[heir] = vec4(
+                            own[0] + past[0], own[1] + past[1], own[2] + past[2], own[3]
+                        )
+                    if wp.static(rolling):
+                        candidates.rolled[heir] = candidates.rolled[heir] + candidates.rolled[c]
+                candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+                if wp.static(rolling):
+                    candidates.rolled[c] = vec4()
+
+    return hand_over

@@ -1,0 +1,260 @@
+"""Narrow phase: gap, normal and contact point of one feature pair of two sphero-polyhedra.
+
+All positions are about the partner's centre of mass in world axes. The normal points from the
+partner j to the owner i; the contact point is the middle of the overlap, c = x_i - n (R_i + gap/2).
+"""
+
+import functools
+
+import warp as wp
+
+from warpdem.kernels.codes import EE, EV, FV, VE, VF, VV, feature_of_owner, feature_of_partner, kind_of
+from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.views import Bodies, Geometry
+
+FAR = wp.constant(real(1.0e300))
+# sine squared of the angle under which two edges count as parallel: their vertices carry the load
+PARALLEL = wp.constant(real(1.0e-10))
+
+
+@wp.struct
+class Hit:
+    """Signed distance of a feature pair (``FAR`` when apart); the rest is set in overlap."""
+
+    gap: real
+    admissible: bool  # the closest points lie inside both features
+    normal: vec3
+    point: vec3
+
+
+@wp.func
+def between(p: vec3, q: vec3, radius_i: real, radius_j: real, margin: real, inside: bool) -> Hit:
+    """Contact of two core points, p on the owner; ``FAR`` beyond ``margin``."""
+    hit = Hit()
+    hit.admissible = inside
+    hit.gap = FAR
+    d = p - q
+    reach = radius_i + radius_j + margin
+    square = wp.dot(d, d)
+    if square >= reach * reach:
+        return hit
+    distance = wp.sqrt(square)
+    hit.gap = distance - radius_i - radius_j
+    if distance > real(0.0):
+        hit.normal = d / distance
+    hit.point = p - hit.normal * (radius_i + real(0.5) * hit.gap)
+    return hit
+
+
+@wp.func
+def vertex_edge(
+    p: vec3, a: vec3, b: vec3, sign: real, radius_v: real, radius_e: real, margin: real
+) -> Hit:
+    """Vertex p of the owner (sign 1) or of the partner (-1) against the edge a b of the other."""
+    e = b - a
+    square = wp.dot(e, e)
+    r = wp.dot(p - a, e)
+    inside = r > real(0.0) and r < square
+    foot = a + e * (wp.clamp(r, real(0.0), square) / square)
+    if sign > real(0.0):
+        return between(p, foot, radius_v, radius_e, margin, inside)
+    return between(foot, p, radius_e, radius_v, margin, inside)
+
+
+@wp.func
+def edge_edge(
+    p: vec3, p1: vec3, q: vec3, q1: vec3, radius_i: real, radius_j: real, margin: real
+) -> Hit:
+    """Two edges, both closest points strictly inside; parallel edges are left to their vertices."""
+    u = p1 - p
+    v = q1 - q
+    w = p - q
+    uu = wp.dot(u, u)
+    vv = wp.dot(v, v)
+    uv = wp.dot(u, v)
+    uw = wp.dot(u, w)
+    vw = wp.dot(v, w)
+    area = uu * vv - uv * uv
+    if area <= PARALLEL * uu * vv:
+        hit = Hit()
+        hit.gap = FAR
+        return hit
+    s = (uv * vw - vv * uw) / area
+    t = (uu * vw - uv * uw) / area
+    inside = s > real(0.0) and s < real(1.0) and t > real(0.0) and t < real(1.0)
+    s = wp.clamp(s, real(0.0), real(1.0))
+    t = wp.clamp(t, real(0.0), real(1.0))
+    return between(p + u * s, q + v * t, radius_i, radius_j, margin, inside)
+
+
+@wp.func
+def inside_convex(geometry: Geometry, face: int, x: vec3, height: real) -> bool:
+    """Whether x (shape frame) lies over a convex face, or behind it nearer than its neighbours."""
+    for side in range(geometry.side_start[face], geometry.side_start[face + 1]):
+        plane = geometry.side_above[side]
+        if height < real(0.0):
+            plane = geometry.side_below[side]
+        out = plane[0] * x[0] + plane[1] * x[1] + plane[2] * x[2] - plane[3]
+        if out > real(0.0):
+            return False
+        if out == real(0.0):
+            if geometry.side_open[side] != 0:
+                return False
+    return True
+
+
+@wp.func
+def inside_polygon(geometry: Geometry, shape: int, face: int, x: vec3) -> bool:
+    """Even-odd test of the projection of x on a face of any form, with holes; borders half open."""
+    n = geometry.normal[face]
+    # the two axes on which the face has the largest shadow
+    i = int(0)
+    j = int(1)
+    if wp.abs(n[0]) >= wp.abs(n[1]) and wp.abs(n[0]) >= wp.abs(n[2]):
+        i = 1
+        j = 2
+    elif wp.abs(n[1]) >= wp.abs(n[2]):
+        i = 0
+        j = 2
+    foot = x - n * (wp.dot(n, x) - geometry.offset[face])
+    first = geometry.vertex_start[shape]
+    odd = bool(False)
+    for side in range(geometry.side_start[face], geometry.side_start[face + 1]):
+        ends = geometry.side_vertex[side]
+        a = geometry.vertex[first + ends[0]]
+        b = geometry.vertex[first + ends[1]]
+        if (a[j] > foot[j]) != (b[j] > foot[j]):
+            if foot[i] < a[i] + (foot[j] - a[j]) / (b[j] - a[j]) * (b[i] - a[i]):
+                odd = not odd
+    return odd
+
+
+@functools.cache
+def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
+    """Function of a vertex against a face; non-convex or two-sided faces cost only where they are."""
+
+    @wp.func
+    def vertex_face(
+        geometry: Geometry,
+        rotation: mat33,
+        body: int,
+        face: int,
+        p: vec3,
+        radius_v: real,
+        margin: real,
+    ) -> Hit:
+        """Vertex p, about the centre of the face's body; the normal points from the face to it."""
+        shape = geometry.shape[body]
+        scale = geometry.scale[body]
+        radius_f = geometry.radius[body]
+        x = wp.transpose(rotation) * p / scale
+        index = geometry.face_start[shape] + face
+        normal = geometry.normal[index]
+        height = wp.dot(normal, x) - geometry.offset[index]
+        side = real(1.0)
+        if wp.static(two_sided):
+            if geometry.two_sided[shape] != 0 and height < real(0.0):
+                height = -height
+                side = real(-1.0)
+        hit = Hit()
+        hit.gap = height * scale - radius_v - radius_f
+        if hit.gap >= margin:
+            return hit
+        if height >= -geometry.depth[index]:
+            if wp.static(convex):
+                hit.admissible = inside_convex(geometry, index, x, height)
+            else:
+                if geometry.face_convex[index] != 0:
+                    hit.admissible = inside_convex(geometry, index, x, height)
+                else:
+                    hit.admissible = inside_polygon(geometry, shape, index, x)
+        hit.normal = rotation * normal * side
+        hit.point = p - hit.normal * (radius_v + real(0.5) * hit.gap)
+        return hit
+
+    return vertex_face
+
+
+@wp.func
+def in_cone(geometry: Geometry, bodies: Bodies, body: int, feature: int, direction: vec3) -> bool:
+    """Whether a vertex or edge may touch along ``direction`` (away from it): no ghost collisions."""
+    shape = geometry.shape[body]
+    index = geometry.vertex_start[shape] + geometry.edge_start[shape] + feature
+    x = wp.transpose(bodies.rotation[body]) * direction
+    for k in range(geometry.cone_start[index], geometry.cone_start[index + 1]):
+        if wp.dot(geometry.cone[k], x) < real(0.0):
+            return False
+    return True
+
+
+@functools.cache
+def feature_pair(*, polyhedra: bool, convex: bool, two_sided: bool, cones: bool) -> wp.Function:
+    """Function of any feature pair; without ``polyhedra`` only vertices (spheres) are compiled."""
+    face = vertex_face(convex=convex, two_sided=two_sided)
+
+    @wp.func
+    def polyhedral(
+        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
+    ) -> Hit:
+        kind = kind_of(code)
+        a = feature_of_owner(code)
+        b = feature_of_partner(code)
+        radius_i = geometry.radius[i]
+        radius_j = geometry.radius[j]
+        arm_i = geometry.arm_start[i]
+        arm_j = geometry.arm_start[j]
+        hit = Hit()
+        if kind == VF:
+            hit = face(geometry, bodies.rotation[j], j, b, d + bodies.arm[arm_i + a], radius_i, margin)
+        elif kind == FV:
+            hit = face(geometry, bodies.rotation[i], i, a, bodies.arm[arm_j + b] - d, radius_j, margin)
+            hit.normal = -hit.normal
+            hit.point = hit.point + d
+        elif kind == VE:
+            ends = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
+            p = d + bodies.arm[arm_i + a]
+            hit = vertex_edge(
+                p, bodies.arm[arm_j + ends[0]], bodies.arm[arm_j + ends[1]],
+                real(1.0), radius_i, radius_j, margin,
+            )
+        elif kind == EV:
+            ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
+            p = bodies.arm[arm_j + b]
+            hit = vertex_edge(
+                p, d + bodies.arm[arm_i + ends[0]], d + bodies.arm[arm_i + ends[1]],
+                real(-1.0), radius_j, radius_i, margin,
+            )
+        elif kind == EE:
+            ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
+            others = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
+            hit = edge_edge(
+                d + bodies.arm[arm_i + ends[0]], d + bodies.arm[arm_i + ends[1]],
+                bodies.arm[arm_j + others[0]], bodies.arm[arm_j + others[1]],
+                radius_i, radius_j, margin,
+            )
+        else:
+            hit = between(
+                d + bodies.arm[arm_i + a], bodies.arm[arm_j + b], radius_i, radius_j, margin, True
+            )
+        if wp.static(cones):
+            if hit.admissible and hit.gap < real(0.0) and kind != VF and kind != FV:
+                vertices_i = geometry.vertex_start[geometry.shape[i] + 1]
+                vertices_i -= geometry.vertex_start[geometry.shape[i]]
+                vertices_j = geometry.vertex_start[geometry.shape[j] + 1]
+                vertices_j -= geometry.vertex_start[geometry.shape[j]]
+                if kind == EV or kind == EE:
+                    a += vertices_i
+                if kind == VE or kind == EE:
+                    b += vertices_j
+                hit.admissible = in_cone(geometry, bodies, i, a, -hit.normal)
+                if hit.admissible:
+                    hit.admissible = in_cone(geometry, bodies, j, b, hit.normal)
+        return hit
+
+    @wp.func
+    def spherical(
+        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
+    ) -> Hit:
+        return between(d, vec3(), geometry.radius[i], geometry.radius[j], margin, True)
+
+    return polyhedral if polyhedra else spherical

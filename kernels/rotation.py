@@ -1,0 +1,137 @@
+"""Rotations: quaternions (x, y, z, w in memory), free drift of a body at constant angular momentum."""
+
+import warp as wp
+
+from warpdem.kernels.precision import quat, real, vec3
+
+
+@wp.func
+def turned(q: quat, axis: int, angle: real) -> quat:
+    """``q`` after a turn by ``angle`` [rad] about one of its own axes."""
+    s = wp.sin(real(0.5) * angle)
+    turn = quat(real(0.0), real(0.0), real(0.0), wp.cos(real(0.5) * angle))
+    turn[axis] = s
+    return q * turn
+
+
+@wp.func
+def about(v: vec3, axis: int, angle: real) -> vec3:
+    """``v`` seen from a frame turned by ``angle`` [rad] about one of its axes."""
+    i = (axis + 1) % 3
+    j = (axis + 2) % 3
+    c = wp.cos(angle)
+    s = wp.sin(angle)
+    turned = vec3(v)
+    turned[i] = c * v[i] + s * v[j]
+    turned[j] = c * v[j] - s * v[i]
+    return turned
+
+
+@wp.func
+def no_squish(q: quat, momentum: vec3, moment: vec3, dt: real) -> quat:
+    """Free rotation over ``dt`` at constant world angular momentum, second order, symplectic.
+
+    Five turns about the principal axes 3 2 1 2 3; Dullweber, Leimkuhler & McLachlan (1997),
+    doi:10.1063/1.474310.
+    """
+    half = real(0.5) * dt
+    body = wp.quat_rotate_inv(q, momentum)
+    a = half * body[2] / moment[2]
+    q = turned(q, 2, a)
+    body = about(body, 2, a)
+    a = half * body[1] / moment[1]
+    q = turned(q, 1, a)
+    body = about(body, 1, a)
+    a = dt * body[0] / moment[0]
+    q = turned(q, 0, a)
+    body = about(body, 0, a)
+    a = half * body[1] / moment[1]
+    q = turned(q, 1, a)
+    body = about(body, 1, a)
+    a = half * body[2] / moment[2]
+    q = turned(q, 2, a)
+    return wp.normalize(q)
+
+
+@wp.func
+def exponential(q: quat, spin: vec3, dt: real) -> quat:
+    """``q`` after a constant world ``spin`` [rad/s] over ``dt``."""
+    speed = wp.length(spin)
+    if speed == real(0.0):
+        return q
+    return wp.normalize(wp.quat_from_axis_angle(spin / speed, speed * dt) * q)
+
+
+@wp.func
+def free_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
+    """Half kick and drift at constant momentum: orientation and angular momentum [kg m^2/s].
+
+    One exponential for spherical inertia, NO_SQUISH otherwise.
+    """
+    kicked = momentum + torque * (real(0.5) * dt)
+    if moment[0] == moment[1] and moment[1] == moment[2]:
+        return exponential(q, kicked / moment[0], dt), kicked
+    return no_squish(q, kicked, moment, dt), kicked
+
+
+@wp.func
+def spherical_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
+    """``free_drift`` of a scene in which every body has spherical inertia."""
+    kicked = momentum + torque * (real(0.5) * dt)
+    return exponential(q, kicked / moment[0], dt), kicked
+
+
+@wp.func
+def taylor_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
+    """Rockable's half kick and drift, first order in time, for comparison only.
+
+    q + dt q' + dt^2/2 q'' from the state before the kick, with the sign of the scalar part of q''
+    as that program has it; ``torque`` is I w', see ``taylor_torque``.
+    """
+    w = inverse_inertia(q, moment, momentum)
+    a = inverse_inertia(q, moment, torque)
+    v = vec3(q[0], q[1], q[2])
+    s = q[3]
+    dv = real(0.5) * (wp.cross(w, v) + w * s)
+    ds = real(-0.5) * wp.dot(w, v)
+    v = v + dv * dt
+    s = s + ds * dt
+    ww = wp.dot(w, w)
+    ddv = real(0.5) * (a * s + wp.cross(a, v)) - real(0.25) * ww * v
+    dds = real(-0.5) * wp.dot(a, v) + real(0.25) * ww * s
+    h = real(0.5) * dt * dt
+    v = v + ddv * h
+    s = s + dds * h
+    turned = wp.normalize(quat(v[0], v[1], v[2], s))
+    return turned, inertia(turned, moment, w + a * (real(0.5) * dt))
+
+
+@wp.func
+def free_torque(torque: vec3, spin: vec3, momentum: vec3) -> vec3:
+    """Torque of the kick on world angular momentum: the torque itself [N m]."""
+    return torque
+
+
+@wp.func
+def taylor_torque(torque: vec3, spin: vec3, momentum: vec3) -> vec3:
+    """I w' with the gyroscopic term at the half-step spin, as Rockable has it [N m]."""
+    return torque - wp.cross(spin, momentum)
+
+
+@wp.func
+def inertia(q: quat, moment: vec3, spin: vec3) -> vec3:
+    """World I w [kg m^2/s]."""
+    return wp.quat_rotate(q, wp.cw_mul(wp.quat_rotate_inv(q, spin), moment))
+
+
+@wp.func
+def inverse_inertia(q: quat, moment: vec3, momentum: vec3) -> vec3:
+    """World I^-1 L [rad/s]."""
+    return wp.quat_rotate(q, wp.cw_div(wp.quat_rotate_inv(q, momentum), moment))
+
+
+@wp.func
+def arc(q: quat, p: quat) -> real:
+    """Chord between two orientations on the unit sphere: 2 sin(angle / 2)."""
+    d = q * wp.quat_inverse(p)
+    return real(2.0) * wp.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])

@@ -1,0 +1,157 @@
+"""The command line: ``python -m warpdem SCENE.toml``, ``check SCENE.toml`` and ``schema``."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import os
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from warpdem import __version__
+from warpdem.errors import WarpdemError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+INTERRUPTED = 130
+USAGE = """\
+python -m warpdem SCENE.toml [options]
+       python -m warpdem check SCENE.toml [--set KEY=VALUE]...
+       python -m warpdem schema"""
+EPILOG = """\
+commands:
+  check SCENE.toml      print what would be built, without building it
+  schema                print the JSON schema of scene files, for editors
+
+exit status: 0 done, 2 a mistake in the scene or the command, 3 the motion blew up,
+74 results cannot be written, 130 and 143 stopped by Ctrl-C and SIGTERM after a checkpoint"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command line.
+
+    Args:
+        arguments: What follows the program's name; default: those of this process.
+
+    Returns:
+        Exit status.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    commands: dict[str, Callable[[list[str]], int]] = {"check": _check, "schema": _schema}
+    try:
+        command = commands.get(given[0]) if given else None
+        status = command(given[1:]) if command else _run(given)
+        sys.stdout.flush()
+    except WarpdemError as fault:
+        print(fault, file=sys.stderr)
+        return fault.exit_code
+    except KeyboardInterrupt:
+        print("interrupted before the first step; nothing was written", file=sys.stderr)
+        return INTERRUPTED
+    except (
+        BrokenPipeError
+    ):  # the reader went away, as with `| head`: Python's last flush must not fail
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    return status
+
+
+def _run(arguments: list[str]) -> int:
+    from warpdem import decode, runner  # noqa: PLC0415 - `schema` need not wait for it
+
+    _refuse_unknown_command(arguments)
+    options = _run_parser().parse_args(arguments)
+    scene = decode.load(options.scene, options.set)
+    return runner.run(
+        scene,
+        options.out or Path("runs") / options.scene.stem,
+        device=options.device,
+        threads=options.threads,
+        resume=options.resume,
+        force=options.force,
+        quiet=options.quiet,
+    )
+
+
+def _check(arguments: list[str]) -> int:
+    from warpdem import check, decode  # noqa: PLC0415 - `schema` need not wait for it
+
+    parser = argparse.ArgumentParser(
+        "python -m warpdem check", description="Print what a scene would build."
+    )
+    _add_scene(parser)
+    options = parser.parse_args(arguments)
+    report = check.check(decode.load(options.scene, options.set))
+    print(report)
+    return WarpdemError.exit_code if report.problems else 0
+
+
+def _schema(arguments: list[str]) -> int:
+    from warpdem import decode  # noqa: PLC0415 - the other commands need not wait for it
+
+    argparse.ArgumentParser(
+        "python -m warpdem schema", description="Print the JSON schema of scene files."
+    ).parse_args(arguments)
+    print(decode.schema_text())
+    return 0
+
+
+def _run_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        "python -m warpdem",
+        usage=USAGE,
+        description="Simulate a scene and write its results.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_scene(parser)
+    add = parser.add_argument
+    add("--out", type=Path, metavar="DIR", help="folder of the results; default: runs/SCENE")
+    add("--device", type=_device, help="auto, cpu, cuda or cuda:N; default: the scene's run.device")
+    add("--threads", type=_threads, metavar="N", help="host threads; default: all cores")
+    again = parser.add_mutually_exclusive_group()
+    again.add_argument("--resume", action="store_true", help="go on from the checkpoint in DIR")
+    again.add_argument("--force", action="store_true", help="replace the results in DIR")
+    add("--quiet", action="store_true", help="say nothing but errors")
+    add("--version", action="version", version=f"warpdem {__version__}")
+    return parser
+
+
+def _add_scene(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", type=Path, metavar="SCENE.toml", help="the scene file")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="set a key of the scene, such as contact.0.mu=0.3; may be given again",
+    )
+
+
+def _device(text: str) -> str:
+    if not re.fullmatch(r"auto|cpu|cuda(:\d+)?", text):
+        raise argparse.ArgumentTypeError(f"{text!r} is not one of auto, cpu, cuda, cuda:N")
+    return text
+
+
+def _threads(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of at least 1")
+    return int(text)
+
+
+def _refuse_unknown_command(arguments: list[str]) -> None:
+    """Tell a mistyped command from a scene file that is not there."""
+    word = arguments[0] if arguments else ""
+    if not re.fullmatch(r"\w[\w-]*", word) or Path(word).exists():
+        return
+    near = difflib.get_close_matches(word, ["check", "schema"], n=1)
+    hint = f'did you mean "{near[0]}"?' if near else "give a scene file, check or schema"
+    raise WarpdemError(f"{word}: neither a command nor a file; {hint}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

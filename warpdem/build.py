@@ -1,0 +1,171 @@
+"""Scene to model and state: the one place that allocates what a run keeps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import warp as wp
+
+from warpdem.device_shapes import shape_arrays
+from warpdem.features import Features, has_tree, large_bodies
+from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.views import Geometry, Inertia, Material
+from warpdem.model import Model, on
+from warpdem.state import State, allocate
+from warpdem.timestep import zeta_bilateral, zeta_clamped
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from warpdem.arrays import FloatArray
+    from warpdem.placement import Placement
+    from warpdem.polyhedron import Polyhedron
+    from warpdem.scene import Scene
+
+# of the median bounding radius of the free bodies: candidates grow with it, rebuilds with its inverse
+SKIN = 0.08
+
+
+def build(
+    scene: Scene,
+    placement: Placement,
+    polyhedra: Mapping[str, Polyhedron],
+    features: Features,
+    device: Any,
+) -> tuple[Model, State]:
+    """Model and state of a placed scene on a device."""
+    shapes = list(polyhedra.values())
+    geometry, trees = shape_arrays(shapes, np.unique(placement.shape), device)
+    bound = np.array([shapes[k].bound for k in placement.shape]) * placement.scale
+    large = large_bodies(placement, shapes)
+    arms = _body_arrays(geometry, placement, shapes, bound, large, device)
+    mass, moment = _masses(placement, shapes)
+    model = Model(
+        device=device,
+        features=features,
+        geometry=geometry,
+        inertia=_inertia(placement, mass, moment, device),
+        materials=_materials(scene, placement, device),
+        group_count=len(placement.groups),
+        gravity=np.array(scene.gravity.vector),
+        mass=mass,
+        moment=moment,
+        bound=bound,
+        large=large,
+        skin=_skin(scene, bound[~placement.fixed]),
+        keep_within=scene.run.list_distance or 0.0,
+        trees=trees,
+    )
+    state = allocate(device, len(mass), arms, account=features.account)
+    _start(state, placement, mass, moment, device)
+    return model, state
+
+
+def _skin(scene: Scene, bound: FloatArray) -> float:
+    if scene.run.skin != "auto":
+        return float(scene.run.skin)
+    typical = SKIN * float(np.median(bound)) if len(bound) else 1.0
+    return max(typical, scene.run.list_distance or 0.0)
+
+
+def _body_arrays(
+    geometry: Geometry,
+    placement: Placement,
+    shapes: list[Polyhedron],
+    bound: FloatArray,
+    large: np.ndarray,
+    device: Any,
+) -> int:
+    """Fill the body-to-shape table; returns the number of vertices of all bodies."""
+    counts = np.array([len(shape.vertices) for shape in shapes])[placement.shape]
+    starts = np.concatenate([[0], np.cumsum(counts)])
+    tree = np.array([has_tree(shape) for shape in shapes])[placement.shape]
+    order = np.lexsort((np.arange(len(counts)), tree, large))
+    rank = np.empty(len(counts), dtype=np.int32)
+    rank[order] = np.arange(len(counts))
+    radius = np.array([shape.radius for shape in shapes])[placement.shape] * placement.scale
+    geometry.shape = on(device, placement.shape.astype(np.int32), wp.int32)
+    geometry.scale = on(device, placement.scale, real)
+    geometry.radius = on(device, radius, real)
+    geometry.bound = on(device, bound, real)
+    geometry.arm_start = on(device, starts[:-1].astype(np.int32), wp.int32)
+    geometry.group = on(device, placement.group.astype(np.int32), wp.int32)
+    geometry.rank = on(device, rank, wp.int32)
+    geometry.large = on(device, large.astype(np.int32), wp.int32)
+    return int(starts[-1])
+
+
+def _masses(placement: Placement, shapes: list[Polyhedron]) -> tuple[FloatArray, FloatArray]:
+    """Masses and principal moments; infinite where a body is fixed."""
+    volume = np.array([shape.volume for shape in shapes])[placement.shape]
+    over_mass = np.array([shape.inertia_over_mass for shape in shapes])[placement.shape]
+    mass = volume * placement.scale**3 * placement.density
+    mass = np.where(placement.fixed, np.inf, mass)
+    with np.errstate(invalid="ignore"):
+        moment = over_mass * placement.scale[:, None] ** 2 * mass[:, None]
+    return mass, np.where(placement.fixed[:, None], np.inf, moment)
+
+
+def _inertia(
+    placement: Placement, mass: FloatArray, moment: FloatArray, device: Any
+) -> Inertia:
+    inertia = Inertia()
+    driven = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
+    inertia.inverse_mass = on(device, 1.0 / mass, real)
+    inertia.moment = on(device, np.where(np.isfinite(moment), moment, 0.0), vec3)
+    inertia.inverse_moment = on(device, 1.0 / moment, vec3)
+    inertia.driven = on(device, driven.astype(np.int32), wp.int32)
+    return inertia
+
+
+def _materials(scene: Scene, placement: Placement, device: Any) -> wp.array:
+    """Contact parameters by group pair; NaN where the scene has none, so that none is used."""
+    zeta = zeta_clamped if scene.run.resolved().restitution == "clamped" else zeta_bilateral
+    count = len(placement.groups)
+    rows = [Material() for _ in range(count * count)]
+    for row in rows:
+        row.kn = float("nan")
+    table = scene.contact_table(placement.groups)
+    index = {name: k for k, name in enumerate(placement.groups)}
+    for (a, b), law in table.items():
+        for i, j in ((index[a], index[b]), (index[b], index[a])):
+            row = rows[i * count + j]
+            row.kn, row.kt, row.mu = law.kn, law.kt, law.mu
+            row.zeta = 0.0 if law.en2 == 1.0 else zeta(law.en2**0.5)
+            row.kr, row.mur, row.fc = law.kr, law.mur, law.fc
+    return wp.array(rows, dtype=Material, device=device)
+
+
+def _start(
+    state: State, placement: Placement, mass: FloatArray, moment: FloatArray, device: Any
+) -> None:
+    """Positions and momenta at time zero."""
+    bodies = state.bodies
+    q = placement.orientation
+    fixed = placement.fixed
+    with np.errstate(invalid="ignore"):
+        momentum = np.where(fixed[:, None], 0.0, mass[:, None] * placement.velocity)
+        body_spin = rotate_back(q, placement.spin)
+        turned = np.where(fixed[:, None], 0.0, moment * body_spin)
+    bodies.position.assign(placement.position)
+    bodies.orientation.assign(q[:, [1, 2, 3, 0]])
+    bodies.momentum.assign(momentum)
+    bodies.angular_momentum.assign(rotate(q, turned))
+    bodies.velocity.assign(placement.velocity)
+    bodies.spin.assign(placement.spin)
+    bodies.velocity_end.assign(placement.velocity)
+    bodies.spin_end.assign(placement.spin)
+
+
+def rotate(q: FloatArray, v: FloatArray) -> FloatArray:
+    """Vectors turned by unit quaternions w, x, y, z; shapes [n, 4], [n, 3]."""
+    t = 2.0 * np.cross(q[:, 1:], v)
+    return v + q[:, :1] * t + np.cross(q[:, 1:], t)
+
+
+def rotate_back(q: FloatArray, v: FloatArray) -> FloatArray:
+    """Vectors turned by the inverses of unit quaternions."""
+    return rotate(q * np.array([1.0, -1.0, -1.0, -1.0]), v)
+
+

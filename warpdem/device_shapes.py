@@ -1,0 +1,194 @@
+"""Shapes as the device reads them: features of all shapes in one array each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import warp as wp
+
+from warpdem.features import has_tree
+from warpdem.kernels.codes import FEATURE_LIMIT
+from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.views import Geometry
+from warpdem.errors import CapacityError
+from warpdem.model import on
+
+if TYPE_CHECKING:
+    from warpdem.arrays import FloatArray, IntArray
+    from warpdem.polyhedron import Polyhedron
+
+# neighbouring faces whose normals differ by less are one plane: they share one border half-space
+FLAT = 1e-7
+# facets times vertices above which the thickness behind a face is estimated from the core's box
+THICKNESS_LIMIT = 10_000_000
+
+
+def shape_arrays(
+    shapes: list[Polyhedron], used: IntArray, device: Any
+) -> tuple[Geometry, tuple[wp.Bvh, ...]]:
+    """Features of all shapes on a device, and the trees over the large ones in ``used``."""
+    for shape in shapes:
+        if max(len(shape.vertices), len(shape.edges), len(shape.face_offsets)) >= FEATURE_LIMIT:
+            raise CapacityError(f'shape "{shape.name}" has more than {FEATURE_LIMIT} features')
+    geometry = Geometry()
+    _starts(geometry, shapes, device)
+    _features(geometry, shapes, device)
+    _sides(geometry, shapes, device)
+    _cones(geometry, shapes, device)
+    ids = np.zeros(len(shapes), dtype=np.uint64)
+    trees = []
+    for k in used:
+        if has_tree(shapes[k]):
+            tree = feature_tree(shapes[k], device)
+            trees.append(tree)
+            ids[k] = tree.id
+    geometry.tree = on(device, ids, wp.uint64)
+    return geometry, tuple(trees)
+
+
+def _starts(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
+    def running(counts: list[int]) -> wp.array:
+        return on(device, np.concatenate([[0], np.cumsum(counts)]).astype(np.int32), wp.int32)
+
+    geometry.vertex_start = running([len(shape.vertices) for shape in shapes])
+    geometry.edge_start = running([len(shape.edges) for shape in shapes])
+    geometry.face_start = running([len(shape.face_offsets) for shape in shapes])
+
+
+def _join(parts: list[Any], dtype: Any, width: int = 0) -> np.ndarray:
+    """One array of all parts, with one spare row when there is none (kernels take no empty ones)."""
+    shape = (0, width) if width else (0,)
+    rows = np.concatenate([np.asarray(p, dtype=dtype).reshape(-1, *shape[1:]) for p in parts])
+    return rows if len(rows) else np.zeros((1, *shape[1:]), dtype=dtype)
+
+
+def _features(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
+    middle = [0.5 * (shape.core_min + shape.core_max) for shape in shapes]
+    half = [0.5 * (shape.core_max - shape.core_min) for shape in shapes]
+    geometry.core_middle = on(device, np.array(middle), vec3)
+    geometry.core_half = on(device, np.array(half), vec3)
+    geometry.two_sided = on(device, np.array([int(s.two_sided) for s in shapes], np.int32), wp.int32)
+    geometry.vertex = on(device, _join([s.vertices for s in shapes], np.float64, 3), vec3)
+    active = _join([s.vertex_active for s in shapes], np.int32)
+    geometry.vertex_active = on(device, active, wp.int32)
+    geometry.edge = on(device, _join([s.edges for s in shapes], np.int32, 2), wp.vec2i)
+    geometry.edge_active = on(device, _join([s.edge_active for s in shapes], np.int32), wp.int32)
+    geometry.normal = on(device, _join([s.face_normals for s in shapes], np.float64, 3), vec3)
+    geometry.offset = on(device, _join([s.face_offsets for s in shapes], np.float64), real)
+    geometry.depth = on(device, _join([_depths(s) for s in shapes], np.float64), real)
+    convex = _join([s.face_convex for s in shapes], np.int32)
+    geometry.face_convex = on(device, convex, wp.int32)
+
+
+def _depths(shape: Polyhedron) -> FloatArray:
+    """How far behind a face a vertex still belongs to it [m]: half the thickness, or of an edge."""
+    faces = len(shape.face_offsets)
+    if shape.two_sided or faces == 0:
+        return np.zeros(faces)
+    if shape.closed:
+        if faces * len(shape.vertices) > THICKNESS_LIMIT:
+            return np.full(faces, 0.25 * float(np.min(shape.core_max - shape.core_min)))
+        lowest = (shape.face_normals @ shape.vertices.T).min(axis=1)
+        return 0.5 * (shape.face_offsets - lowest)
+    ends = shape.vertices[shape.side_vertices]
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    return 0.5 * np.minimum.reduceat(length, shape.side_start[:-1])
+
+
+def _sides(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
+    above, below, shared, starts = [], [], [], [np.zeros(1, np.int64)]
+    total = 0
+    for shape in shapes:
+        over, under, tie = side_planes(shape)
+        above.append(over)
+        below.append(under)
+        shared.append(tie)
+        starts.append(np.asarray(shape.side_start[1:], np.int64) + total)
+        total += len(over)
+    geometry.side_start = on(device, np.concatenate(starts).astype(np.int32), wp.int32)
+    geometry.side_above = on(device, _join(above, np.float64, 4), vec4)
+    geometry.side_below = on(device, _join(below, np.float64, 4), vec4)
+    geometry.side_open = on(device, _join(shared, np.int32), wp.int32)
+    vertices = _join([s.side_vertices for s in shapes], np.int32, 2)
+    geometry.side_vertex = on(device, vertices, wp.vec2i)
+
+
+def side_planes(shape: Polyhedron) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Half-spaces m.x <= o of each side of each face, shapes [side_count, 4] twice, [side_count].
+
+    Above the face it is bounded by planes normal to it; behind it by the planes halfway to its
+    neighbours, so that a vertex inside the solid belongs to the nearest face alone. Two faces of
+    one plane share the very same half-space, and a point on their border belongs to the first.
+    """
+    count = len(shape.side_vertices)
+    if count == 0:
+        return np.zeros((0, 4)), np.zeros((0, 4)), np.zeros(0, np.int32)
+    face = np.repeat(np.arange(len(shape.face_offsets)), np.diff(shape.side_start))
+    other = np.asarray(shape.side_neighbour)
+    normal = shape.face_normals[face]
+    a = shape.vertices[shape.side_vertices[:, 0]]
+    b = shape.vertices[shape.side_vertices[:, 1]]
+    outward = np.cross(b - a, normal)
+    outward /= np.linalg.norm(outward, axis=1)[:, None]
+    above = np.column_stack([outward, np.einsum("ij,ij->i", outward, a)])
+    has = other >= 0
+    apart = np.where(has[:, None], shape.face_normals[other] - normal, outward)
+    size = np.linalg.norm(apart, axis=1)
+    flat = has & (size < FLAT)
+    below = above.copy()
+    bent = has & ~flat
+    offset = shape.face_offsets[other] - shape.face_offsets[face]
+    below[bent] = np.column_stack([apart, offset])[bent] / size[bent, None]
+    _share(above, flat, face, other, shape)
+    below[flat] = above[flat]
+    return above, below, (flat & (face > other)).astype(np.int32)
+
+
+def _share(
+    above: FloatArray, flat: np.ndarray, face: IntArray, other: IntArray, shape: Polyhedron
+) -> None:
+    """Give the second of two faces in one plane the negative of the first one's half-space."""
+    ends = np.sort(shape.side_vertices, axis=1)
+    places: dict[tuple[int, int, int, int], int] = {}
+    chosen = np.flatnonzero(flat)
+    for k in chosen:
+        if face[k] < other[k]:
+            places[face[k], other[k], ends[k, 0], ends[k, 1]] = k
+    for k in chosen:
+        if face[k] > other[k]:
+            first = places.get((other[k], face[k], ends[k, 0], ends[k, 1]))
+            if first is not None:
+                above[k] = -above[first]
+
+
+def _cones(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
+    starts, planes = [], []
+    total = 0
+    for shape in shapes:
+        features = len(shape.vertices) + len(shape.edges)
+        start = np.asarray(shape.cone_start, np.int64)
+        if len(start) != features + 1:
+            start = np.zeros(features + 1, np.int64)
+        starts.append(start[:-1] + total)
+        planes.append(shape.cone_planes)
+        total += int(start[-1])
+    geometry.cone_start = on(
+        device, np.concatenate([*starts, [total]]).astype(np.int32), wp.int32
+    )
+    geometry.cone = on(device, _join(planes, np.float64, 3), vec3)
+
+
+def feature_tree(shape: Polyhedron, device: Any) -> wp.Bvh:
+    """Tree over the boxes of vertices, edges and faces, in this order, grown for single precision."""
+    low = [shape.vertices, shape.vertices[shape.edges].min(axis=1).reshape(-1, 3)]
+    high = [shape.vertices, shape.vertices[shape.edges].max(axis=1).reshape(-1, 3)]
+    corners = shape.vertices[shape.side_vertices[:, 0]]
+    if len(shape.face_offsets):
+        low.append(np.minimum.reduceat(corners, shape.side_start[:-1], axis=0))
+        high.append(np.maximum.reduceat(corners, shape.side_start[:-1], axis=0))
+    slack = 1e-6 * float(np.abs(shape.vertices).max())
+    return wp.Bvh(
+        on(device, (np.concatenate(low) - slack).astype(np.float32), wp.vec3),
+        on(device, (np.concatenate(high) + slack).astype(np.float32), wp.vec3),
+    )

@@ -1,0 +1,64 @@
+"""The model: arrays that never change during a run, on the device."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import warp as wp
+
+from warpdem.arrays import BoolArray, FloatArray, IntArray
+from warpdem.features import Features
+from warpdem.kernels.views import Geometry, Inertia
+
+
+@dataclass(frozen=True)
+class Model:
+    """What a simulation is made of.
+
+    Attributes:
+        device: Where the arrays live.
+        features: What the scene needs.
+        geometry: Shapes and the body-to-shape table (see kernels.views for each array).
+        inertia: Masses [kg] and principal moments [kg m^2]; zero inverses: fixed or driven.
+        materials: Contact parameters of group i and j at i * group_count + j.
+        group_count: Number of groups.
+        gravity: Acceleration of free fall [m/s^2].
+        mass, moment: On the host; infinite for fixed bodies, shapes [body_count], [body_count, 3].
+        bound: Bounding radii [m], shape [body_count].
+        large: Bodies found through the tree of large bodies, shape [body_count].
+        skin: Distance within which feature pairs are listed [m].
+        keep_within: Gap up to which an open contact keeps its history (compat) [m].
+        trees: The feature trees, kept alive here.
+    """
+
+    device: Any
+    features: Features
+    geometry: Geometry
+    inertia: Inertia
+    materials: wp.array
+    group_count: int
+    gravity: FloatArray
+    mass: FloatArray
+    moment: FloatArray
+    bound: FloatArray
+    large: BoolArray
+    skin: float
+    keep_within: float
+    trees: tuple[wp.Bvh, ...]
+
+    @property
+    def body_count(self) -> int:
+        """Number of bodies, fixed ones included."""
+        return len(self.mass)
+
+    @property
+    def free(self) -> BoolArray:
+        """Bodies that forces move, shape [body_count]."""
+        return np.isfinite(self.mass)
+
+
+def on(device: Any, values: FloatArray | IntArray | BoolArray, dtype: Any) -> wp.array:
+    """A device array of ``dtype`` with the given values."""
+    return wp.array(np.ascontiguousarray(values), dtype=dtype, device=device)

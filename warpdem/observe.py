@@ -1,0 +1,174 @@
+"""State to snapshot: what is read off the device at output times, and the energy account."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warpdem.build import rotate, rotate_back
+from warpdem.snapshot import Contacts, Energy, Snapshot
+
+if TYPE_CHECKING:
+    from warpdem.arrays import FloatArray, IntArray
+    from warpdem.lists import Lists
+    from warpdem.model import Model
+    from warpdem.state import State
+
+
+def snapshot(
+    model: Model,
+    state: State,
+    lists: Lists,
+    *,
+    time: float,
+    step: int,
+    energy_start: float,
+    contacts: bool,
+) -> Snapshot:
+    """All bodies at a full step, with contacts and energies when asked for."""
+    velocity, spin = velocities(model, state)
+    force, torque = _forces(model, state, lists)
+    energy = None
+    if model.features.account:
+        energy = _energy(model, state, lists, energy_start)
+    return Snapshot(
+        time=time,
+        step=step,
+        position=state.bodies.position.numpy().copy(),
+        orientation=_orientation(state),
+        velocity=velocity,
+        spin=spin,
+        force=force,
+        torque=torque,
+        contacts=touching(state, lists, rolling=model.features.rolling) if contacts else None,
+        energy=energy,
+    )
+
+
+def _orientation(state: State) -> FloatArray:
+    return state.bodies.orientation.numpy()[:, [3, 0, 1, 2]]
+
+
+def velocities(model: Model, state: State) -> tuple[FloatArray, FloatArray]:
+    """Velocities [m/s] and spins [rad/s] at the full step, shapes [body_count, 3]."""
+    bodies = state.bodies
+    q = _orientation(state)
+    free = model.free[:, None]
+    with np.errstate(invalid="ignore"):
+        velocity = np.where(free, bodies.momentum.numpy() / model.mass[:, None], 0.0)
+        spin = rotate_back(q, bodies.angular_momentum.numpy()) / model.moment
+    spin = rotate(q, np.where(free, spin, 0.0))
+    velocity = np.where(free, velocity, bodies.velocity.numpy())
+    return velocity, np.where(free, spin, bodies.spin.numpy())
+
+
+def _forces(model: Model, state: State, lists: Lists) -> tuple[FloatArray, FloatArray]:
+    """Resultants; those of fixed bodies, which no step needs, are summed here."""
+    force = state.bodies.force.numpy().copy()
+    torque = state.bodies.torque.numpy().copy()
+    fixed = ~model.free
+    force[fixed] = 0.0
+    torque[fixed] = 0.0
+    pairs = lists.pairs
+    n = lists.pair_count
+    on = np.flatnonzero(pairs.touching.numpy()[:n])
+    owner, partner = pairs.owner.numpy()[on], pairs.partner.numpy()[on]
+    f, t = pairs.force.numpy()[on], pairs.torque.numpy()[on]
+    x = state.bodies.position.numpy()
+    mine = fixed[owner]
+    np.add.at(force, owner[mine], f[mine])
+    branch = x[owner[mine]] - x[partner[mine]]
+    np.add.at(torque, owner[mine], t[mine] - np.cross(branch, f[mine]))
+    theirs = fixed[partner]
+    np.subtract.at(force, partner[theirs], f[theirs])
+    np.subtract.at(torque, partner[theirs], t[theirs])
+    return force, torque
+
+
+def slots(lists: Lists) -> tuple[IntArray, IntArray]:
+    """Places of the touching contacts in the packed lists, and their pairs."""
+    n = lists.pair_count
+    count = lists.pairs.touching.numpy()[:n].astype(np.int64)
+    start = lists.pairs.start.numpy()[:n].astype(np.int64)
+    pair = np.repeat(np.arange(n), count)
+    within = np.arange(len(pair)) - np.repeat(np.cumsum(count) - count, count)
+    return start[pair] + within, pair
+
+
+def touching(state: State, lists: Lists, *, rolling: bool) -> Contacts:
+    """The touching sub-contacts, sorted by pair and feature."""
+    place, pair = slots(lists)
+    pairs, candidates = lists.pairs, lists.candidates
+    which = candidates.which.numpy()[place]
+    code = candidates.code.numpy()[which]
+    past = candidates.past.numpy()[which]
+    normal = candidates.normal.numpy()[place]
+    partner = pairs.partner.numpy()[pair]
+    rolled = np.zeros((len(which), 4))
+    if rolling:
+        rolled = candidates.rolled.numpy()[which]
+    mask = (1 << 29) - 1
+    return Contacts(
+        bodies=np.column_stack([pairs.owner.numpy()[pair], partner]).astype(np.int32),
+        kind=(code >> 58).astype(np.int32),
+        features=np.column_stack([(code >> 29) & mask, code & mask]).astype(np.int32),
+        point=candidates.point.numpy()[place] + state.bodies.position.numpy()[partner],
+        normal=normal,
+        gap=candidates.gap.numpy()[place],
+        normal_force=past[:, 3],
+        tangential_force=past[:, :3],
+        moment=rolled[:, :3] + rolled[:, 3:] * normal,
+    )
+
+
+def total_energy(model: Model, state: State, lists: Lists) -> float:
+    """Kinetic, potential and elastic energy now [J]."""
+    return sum(_stored(model, state, lists))
+
+
+def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, float]:
+    free = model.free
+    velocity, spin = velocities(model, state)
+    body_spin = rotate_back(_orientation(state), spin)[free]
+    mass = model.mass[free]
+    kinetic = 0.5 * np.sum(mass[:, None] * velocity[free] ** 2)
+    kinetic += 0.5 * np.sum(model.moment[free] * body_spin**2)
+    potential = -np.sum(mass * (state.bodies.position.numpy()[free] @ model.gravity))
+    elastic = 0.0
+    if model.features.account:
+        elastic = np.sum(state.account.pair.numpy()[: lists.pair_count, 0])
+    return float(kinetic), float(potential), float(elastic)
+
+
+def _energy(model: Model, state: State, lists: Lists, start: float) -> Energy:
+    kinetic, potential, elastic = _stored(model, state, lists)
+    lost = lists.spent + lists.since()
+    work = float(state.account.work.numpy().sum())
+    place, _ = slots(lists)
+    gap = lists.candidates.gap.numpy()[place]
+    return Energy(
+        kinetic=kinetic,
+        potential=potential,
+        elastic=elastic,
+        dashpot=float(lost[0]),
+        friction=float(lost[1]),
+        rolling=float(lost[2]),
+        work=work,
+        balance=kinetic + potential + elastic + float(lost.sum()) - work - start,
+        contact_count=len(place),
+        largest_overlap=float(-gap.min(initial=0.0)),
+    )
+
+
+def fault(model: Model, state: State, dt: float) -> tuple[int, str]:
+    """The body that flew off first, and how."""
+    speed = np.linalg.norm(state.bodies.velocity.numpy(), axis=1)
+    turn = np.linalg.norm(state.bodies.spin.numpy(), axis=1)
+    reach = (speed + 0.3 * turn * model.bound) * dt / model.bound
+    reach[~model.free] = 0.0
+    bad = np.flatnonzero(~np.isfinite(reach))
+    if len(bad):
+        return int(bad[0]), "has no finite velocity (NaN)"
+    body = int(np.argmax(reach))
+    return body, f"moves {reach[body]:.3g} times its own size in one step"

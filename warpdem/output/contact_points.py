@@ -1,0 +1,32 @@
+"""The touching sub-contacts as a grid of points."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
+
+    from warpdem.snapshot import Contacts
+
+
+def grid(contacts: Contacts) -> vtkUnstructuredGrid:
+    """Contact points with what acts there.
+
+    Point data: ``normal`` from body j to i; ``fn`` along it, positive repels [N]; ``ft`` on i [N];
+    ``force`` on i, both together [N]; ``gap``, negative in overlap [m]; ``bodies`` i, j; ``kind``,
+    0 vertex-vertex, 1 vertex-edge, 2 edge-vertex, 3 vertex-face, 4 face-vertex, 5 edge-edge.
+    """
+    from warpdem.output import vtu  # noqa: PLC0415 - loads VTK
+
+    force = contacts.normal_force[:, None] * contacts.normal + contacts.tangential_force
+    data = {
+        "normal": contacts.normal,
+        "fn": contacts.normal_force,
+        "ft": contacts.tangential_force,
+        "force": force,
+        "gap": contacts.gap,
+        "bodies": contacts.bodies,
+        "kind": contacts.kind,
+    }
+    return vtu.vertices(contacts.point, data)

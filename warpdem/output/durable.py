@@ -1,0 +1,48 @@
+"""Files that are either whole or absent, whenever the power goes."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+PART = ".part"
+"""Suffix of a file that is still being written."""
+
+
+def sync(path: Path) -> None:
+    """Have the disk hold what was written to a file, or the names within a folder."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def replace(path: Path, write: Callable[[Path], object]) -> None:
+    """Write a file beside its place and move it there once the disk holds it.
+
+    Args:
+        path: The file to make or to replace; an older one stays until the new one is whole.
+        write: Writes the file at the path it is given.
+
+    Raises:
+        OSError: The disk is full, or the folder cannot be written; no part is left behind.
+    """
+    part = path.with_name(path.name + PART)
+    try:
+        write(part)
+        sync(part)
+        part.replace(path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
+    sync(path.parent)
+
+
+def replace_text(path: Path, text: str) -> None:
+    """Write a text file as UTF-8 by :func:`replace`."""
+    replace(path, lambda part: part.write_bytes(text.encode()))

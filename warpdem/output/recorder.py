@@ -1,0 +1,154 @@
+"""All the files of a run that grow with it, written by one thread in one order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warpdem.errors import OutputError
+from warpdem.output import checkpoint as checkpoints
+from warpdem.output import contact_points
+from warpdem.output.series import Series
+from warpdem.output.surfaces import Surfaces
+from warpdem.output.table import (
+    ENERGY_COLUMNS,
+    TRAJECTORY_COLUMNS,
+    Table,
+    Trajectory,
+    energy_row,
+)
+from warpdem.output.writer import told
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
+
+    from warpdem.output.checkpoint import Checkpoint
+    from warpdem.output.folder import RunFolder
+    from warpdem.output.writer import Writer
+    from warpdem.placement import Placement
+    from warpdem.polyhedron import Polyhedron
+    from warpdem.scene import Output
+    from warpdem.snapshot import Snapshot
+
+TRAJECTORY = "trajectory.csv"
+ENERGY = "energy.csv"
+COLUMNS = {TRAJECTORY: TRAJECTORY_COLUMNS, ENERGY: ENERGY_COLUMNS}
+
+
+class Recorder:
+    """Writes frames, tables and checkpoints as jobs of a writer.
+
+    Args:
+        folder: Where to.
+        output: What the scene wants written.
+        polyhedra: The shapes.
+        placement: The bodies.
+        writer: The thread that does it, in the order of the calls.
+        start: The checkpoint the run resumes from: the files are cut back to it.
+
+    Raises:
+        OutputError: A file cannot be opened, or is not the one the checkpoint belongs to.
+    """
+
+    def __init__(
+        self,
+        folder: RunFolder,
+        output: Output,
+        polyhedra: Sequence[Polyhedron],
+        placement: Placement,
+        writer: Writer,
+        start: Checkpoint | None = None,
+    ) -> None:
+        self._folder = folder
+        self._output = output
+        self._writer = writer
+        self._times = dict(start.frame_times) if start else {}
+        self._lengths = dict(start.table_lengths) if start else {}
+        self._surfaces = Surfaces(polyhedra, placement) if output.surface else None
+        self._trajectory = _trajectory(polyhedra, placement)
+        try:
+            self._series = {stem: self._open_series(stem) for stem in self._stems()}
+            self._tables = {name: self._open_table(name) for name in self._table_names()}
+        except OSError as fault:
+            raise OutputError(told(fault)) from fault
+
+    def record(self, snapshot: Snapshot) -> None:
+        """Write a frame and the tables' rows of one instant, sooner or later.
+
+        Raises:
+            OutputError: Something earlier could not be written.
+        """
+        self._writer.put(lambda: self._write(snapshot))
+
+    def checkpoint(self, checkpoint: Checkpoint) -> None:
+        """Write a checkpoint of what was recorded so far, sooner or later.
+
+        Args:
+            checkpoint: State of the run; what the files hold is filled in.
+
+        Raises:
+            OutputError: Something earlier could not be written.
+        """
+        self._writer.put(lambda: self._save(checkpoint))
+
+    def close(self) -> None:
+        """Close the tables; the writer must have ended."""
+        for table in self._tables.values():
+            table.close()
+
+    def _stems(self) -> list[str]:
+        wanted = {"bodies": self._output.surface, "contacts": self._output.contacts}
+        return [stem for stem, is_wanted in wanted.items() if is_wanted]
+
+    def _table_names(self) -> list[str]:
+        wanted = {TRAJECTORY: self._output.table, ENERGY: self._output.energy}
+        return [name for name, is_wanted in wanted.items() if is_wanted]
+
+    def _open_series(self, stem: str) -> Series:
+        times = self._times.get(stem, [])
+        series = Series(self._folder.path, stem, times)
+        series.truncate(len(times))
+        return series
+
+    def _open_table(self, name: str) -> Table:
+        return Table(self._folder / name, COLUMNS[name], self._lengths.get(name))
+
+    def _write(self, snapshot: Snapshot) -> None:
+        if self._surfaces:
+            self._frame("bodies", snapshot, self._surfaces.grid(snapshot, self._output.fields))
+        if self._output.contacts and snapshot.contacts:
+            self._frame("contacts", snapshot, contact_points.grid(snapshot.contacts))
+        if self._output.table:
+            self._tables[TRAJECTORY].append(self._trajectory.rows(snapshot))
+        if self._output.energy and snapshot.energy:
+            self._tables[ENERGY].append(energy_row(snapshot.time, snapshot.energy))
+
+    def _frame(self, stem: str, snapshot: Snapshot, grid: vtkUnstructuredGrid) -> None:
+        from warpdem.output import vtu  # noqa: PLC0415 - loads VTK
+
+        compression = self._output.compression
+        self._series[stem].append(snapshot.time, lambda part: vtu.write(part, grid, compression))
+
+    def _save(self, checkpoint: Checkpoint) -> None:
+        for table in self._tables.values():
+            table.sync()
+        times = {stem: list(series.times) for stem, series in self._series.items()}
+        lengths = {name: table.length for name, table in self._tables.items()}
+        whole = replace(
+            checkpoint,
+            frame_times=self._times | times,
+            table_lengths=self._lengths | lengths,
+        )
+        checkpoints.save(self._folder.checkpoint, whole)
+
+
+def _trajectory(polyhedra: Sequence[Polyhedron], placement: Placement) -> Trajectory:
+    """Rows for the bodies that move, freely or driven."""
+    driven = np.any(placement.velocity, axis=1) | np.any(placement.spin, axis=1)
+    bodies = np.flatnonzero(~placement.fixed | driven)
+    rotations = np.array([polyhedron.frame_rotation for polyhedron in polyhedra])
+    return Trajectory(bodies, rotations[placement.shape[bodies]])

@@ -1,0 +1,101 @@
+"""Checkpoints: the arrays from which a run goes on bitwise, and putting them back."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import warp as wp
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from warpdem.lists import Lists
+    from warpdem.state import State
+
+# of the bodies; the lists are made again where they were made, so that the next rebuild comes at
+# the same step
+BODIES = (
+    "position",
+    "orientation",
+    "momentum",
+    "angular_momentum",
+    "force",
+    "torque",
+    "velocity",
+    "spin",
+    "listed_position",
+    "listed_orientation",
+)
+
+
+def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray]:
+    """Host copies of everything a step depends on."""
+    saved = {name: getattr(state.bodies, name).numpy().copy() for name in BODIES}
+    saved["work"] = state.account.work.numpy().copy()
+    saved["power"] = state.account.power.numpy().copy()
+    saved["spent"] = lists.spent.copy()
+    n = lists.pair_count
+    pairs, candidates = lists.pairs, lists.candidates
+    saved["pair_owner"] = pairs.owner.numpy()[:n].copy()
+    saved["pair_partner"] = pairs.partner.numpy()[:n].copy()
+    saved["pair_account"] = state.account.pair.numpy()[:n].copy()
+    past = candidates.past.numpy()[: lists.candidate_count]
+    kept = np.flatnonzero((past[:, 3] != -1.0) | past[:, :3].any(axis=1))
+    start = pairs.start.numpy()[: n + 1]
+    saved["contact_pair"] = (np.searchsorted(start, kept, side="right") - 1).astype(np.int64)
+    saved["contact_code"] = candidates.code.numpy()[kept]
+    saved["contact_past"] = past[kept]
+    saved["contact_rolled"] = candidates.rolled.numpy()[kept] if rolling else np.zeros((0, 4))
+    return saved
+
+
+def put_back(
+    state: State, lists: Lists, saved: dict[str, np.ndarray], *, orient: Callable[[], None]
+) -> None:
+    """Restore what ``arrays`` gave, in a simulation of the same scene."""
+    bodies = state.bodies
+    for name in BODIES:
+        getattr(bodies, name).assign(saved[name])
+    state.account.work.assign(saved["work"])
+    state.account.power.assign(saved["power"])
+    bodies.position.assign(saved["listed_position"])
+    bodies.orientation.assign(saved["listed_orientation"])
+    orient()
+    lists.rebuild()
+    bodies.position.assign(saved["position"])
+    bodies.orientation.assign(saved["orientation"])
+    orient()
+    _remember(lists, saved)
+    lists.spent = saved["spent"].copy()
+    n = lists.pair_count
+    if len(saved["pair_account"]) == n and n:
+        wp.copy(
+            state.account.pair,
+            wp.array(saved["pair_account"], dtype=state.account.pair.dtype, device="cpu"),
+        )
+
+
+def _remember(lists: Lists, saved: dict[str, np.ndarray]) -> None:
+    """Lay the histories of the saved contacts into the new lists."""
+    n = lists.pair_count
+    count = lists.candidate_count
+    if not count:
+        return
+    candidates = lists.candidates
+    past = np.zeros((count, 4))
+    past[:, 3] = -1.0
+    start = lists.pairs.start.numpy()[: n + 1]
+    code = candidates.code.numpy()[:count]
+    place = np.empty(len(saved["contact_code"]), dtype=np.int64)
+    for k, (pair, wanted) in enumerate(
+        zip(saved["contact_pair"], saved["contact_code"], strict=True)
+    ):
+        first, last = start[pair], start[pair + 1]
+        place[k] = first + np.searchsorted(code[first:last], wanted)
+    past[place] = saved["contact_past"]
+    candidates.past[:count].assign(past)
+    if len(saved["contact_rolled"]):
+        rolled = np.zeros((count, 4))
+        rolled[place] = saved["contact_rolled"]
+        candidates.rolled[:count].assign(rolled)

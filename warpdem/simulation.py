@@ -1,0 +1,328 @@
+"""A simulation: the clock and the only loop that steps."""
+
+from __future__ import annotations
+
+import os
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import warp as wp
+
+from warpdem import observe, resume
+from warpdem.build import build
+from warpdem.compile import load
+from warpdem.errors import UnstableError, WarpdemError
+from warpdem.features import features_of, stage_names
+from warpdem.kernels.integrate import orient
+from warpdem.kernels.measures import frequency_bound
+from warpdem.kernels.precision import real
+from warpdem.lists import Lists
+from warpdem.placement import place
+from warpdem.shapes import polyhedra_of
+from warpdem.stages import Stage, drift, forces, halt, kick
+from warpdem.stepper import Crew, Recorded, Stepper, launch
+from warpdem.timestep import automatic_step
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from warpdem.scene import Scene
+    from warpdem.snapshot import Snapshot
+
+# bodies below which a second host thread costs more than it saves (30 us a barrier, two a step)
+CREW_BODIES = 400
+# seconds between two questions whether to stop
+PATIENCE = 0.2
+
+
+class Simulation:
+    """The bodies of a scene in motion.
+
+    Args:
+        scene: What to simulate.
+        device: Overrides ``run.device``: "auto", "cpu", "cuda" or "cuda:N".
+        threads: Host threads on the CPU, default all cores; the result does not depend on them.
+        progress: Told in a few words what takes time before the first step.
+
+    Raises:
+        WarpdemError: The scene does not fit together, or the device does not exist.
+
+    Attributes:
+        scene, polyhedra, placement, features: What the simulation was built from.
+        notes: Repairs and warnings, in words.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        device: str | None = None,
+        threads: int | None = None,
+        progress: Callable[[str], None] | None = None,
+    ) -> None:
+        self.scene = scene
+        self.polyhedra = polyhedra_of(scene)
+        self.placement = place(scene, self.polyhedra)
+        self.features = features_of(scene, self.placement, self.polyhedra)
+        self.notes = list(self.placement.notes)
+        step = automatic_step(scene, self.placement, self.polyhedra)
+        self.notes.extend(filter(None, [step.message]))
+        self.dt = step.dt
+        self.device = find_device(device or scene.run.device)
+        self._threads = threads or os.cpu_count() or 1
+        self._model, self._state = build(
+            scene, self.placement, self.polyhedra, self.features, self.device
+        )
+        self._lists = Lists(self._model, self._state)
+        self._square = wp.zeros(self.body_count, dtype=real, device=self.device)
+        self._time = 0.0
+        self._time_steps = 0
+        self._next_dt = self.dt
+        self._warned = False
+        self._chunk = 1
+        self.compile_seconds = 0.0
+        self.loop_seconds = 0.0
+        self._compile(progress or (lambda _: None))
+        self._first_forces()
+        self._energy_start = observe.total_energy(self._model, self._state, self._lists)
+
+    @property
+    def body_count(self) -> int:
+        """Number of bodies, fixed ones included."""
+        return self._model.body_count
+
+    @property
+    def step_count(self) -> int:
+        """Number of steps done."""
+        return int(self._state.clock.steps.numpy()[0])
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._time + (self.step_count - self._time_steps) * self.dt
+
+    def advance(self, until: float, *, stop: Callable[[], bool] | None = None) -> None:
+        """Step to the first step at or after ``until`` [s]; return early where ``stop`` says so.
+
+        Raises:
+            UnstableError: A body flew off or became NaN.
+        """
+        begin = time.perf_counter()
+        try:
+            while (left := self._steps_to(until)) > 0 and not (stop is not None and stop()):
+                since = time.perf_counter()
+                count = min(left, self._chunk)
+                self._run(count)
+                spent = time.perf_counter() - since
+                if spent < PATIENCE:
+                    self._chunk = min(2 * self._chunk, 1 << 20)
+                elif self._chunk > 1:
+                    self._chunk = max(self._chunk // 2, 1)
+        finally:
+            self.loop_seconds += time.perf_counter() - begin
+
+    def snapshot(self, *, contacts: bool = False) -> Snapshot:
+        """The state now, on the host."""
+        return observe.snapshot(
+            self._model,
+            self._state,
+            self._lists,
+            time=self.time,
+            step=self.step_count,
+            energy_start=self._energy_start,
+            contacts=contacts,
+        )
+
+    def checkpoint(self) -> dict[str, np.ndarray]:
+        """Everything that a later ``restore`` needs to go on bitwise."""
+        clock = np.array([self._time, self.dt, self._next_dt, self._energy_start])
+        counts = np.array([self._time_steps, self.step_count, self._lists.rebuilds])
+        return {
+            "clock": clock,
+            "counts": counts,
+            **resume.arrays(self._state, self._lists, rolling=self.features.rolling),
+        }
+
+    def restore(self, arrays: dict[str, np.ndarray]) -> None:
+        """Take up the state of a checkpoint of the same scene."""
+        self._time, self.dt, self._next_dt, self._energy_start = map(float, arrays["clock"])
+        self._time_steps = int(arrays["counts"][0])
+        resume.put_back(self._state, self._lists, arrays, orient=self._orient)
+        self._lists.rebuilds = int(arrays["counts"][2])
+        self._state.clock.steps.fill_(int(arrays["counts"][1]))
+        self._make_stages()
+
+    def report(self) -> dict[str, Any]:
+        """What was built, and what it cost so far."""
+        return {
+            "bodies": self.body_count,
+            "steps": self.step_count,
+            "dt": self.dt,
+            "loop_seconds": self.loop_seconds,
+            "compile_seconds": self.compile_seconds,
+            "rebuilds": self._lists.rebuilds,
+            "pairs": self._lists.pair_count,
+            "candidates": self._lists.candidate_count,
+            "device": str(self.device),
+            "threads": self._crew_size(),
+            "precision": self.scene.run.precision,
+            "features": [k for k, v in vars(self.features).items() if v],
+            "stages": list(stage_names(self.features)),
+        }
+
+    def _crew_size(self) -> int:
+        if not self.device.is_cpu or self.body_count < CREW_BODIES:
+            return 1
+        return max(1, min(self._threads, self.body_count // (CREW_BODIES // 2)))
+
+    def _compile(self, progress: Callable[[str], None]) -> None:
+        self.compile_seconds = load(self._model, self._state, self._lists, progress)
+
+    def _make_stages(self) -> None:
+        model, state, lists = self._model, self._state, self._lists
+        contacts = self.features.contacts
+        self._drift = (drift(model, state, self.dt), halt(state))
+        after = [kick(model, state, lists, self.dt, contacts=contacts)]
+        if contacts:
+            after.insert(0, forces(model, state, lists, self.dt))
+        self._after = tuple(after)
+        stages = (*self._after, *self._drift)
+        size = self._crew_size()
+        self._stepper: Stepper
+        if size > 1:
+            self._stepper = Crew(stages, lists, state, self.body_count, size)
+        else:
+            self._stepper = Recorded(stages, lists, state, self.body_count, self.device)
+        self._stepper.prepare()
+
+    def _launch(self, *stages: Stage) -> None:
+        for stage in stages:
+            count = {"bodies": self.body_count, "pairs": self._lists.pair_count, "one": 1}
+            launch(stage, count[stage.over], self.device)
+
+    def _orient(self) -> None:
+        """Rotation matrices and vertices of all bodies from their orientations."""
+        wp.launch(
+            orient,
+            dim=self.body_count,
+            inputs=[self._model.geometry],
+            outputs=[self._state.bodies],
+            device=self.device,
+        )
+
+    def _first_forces(self) -> None:
+        """Forces at time zero: the stages of a step with dt = 0."""
+        model, state, lists = self._model, self._state, self._lists
+        self._orient()
+        wp.copy(state.bodies.listed_position, state.bodies.position)
+        wp.copy(state.bodies.listed_orientation, state.bodies.orientation)
+        self._launch(drift(model, state, 0.0))
+        contacts = self.features.contacts
+        if contacts:
+            lists.rebuild()
+        if contacts and not self.features.gravity_first:
+            self._launch(forces(model, state, lists, 0.0))
+            self._launch(kick(model, state, lists, 0.0, contacts=True))
+        else:
+            self._launch(kick(model, state, lists, 0.0, contacts=False))
+        self._make_stages()
+
+    def _steps_to(self, until: float) -> int:
+        return int(np.ceil((until - self.time) / self.dt - 0.5))
+
+    def _run(self, count: int) -> None:
+        """``count`` whole steps, fewer when the step size has to change."""
+        self._launch(*self._drift)
+        self._resolve()
+        left = count - 1
+        while left > 0 and self._next_dt == self.dt:
+            before = self.step_count
+            self._stepper.cycles(left)
+            left -= self.step_count - before
+            self._resolve()
+        self._launch(*self._after)
+        if self._next_dt != self.dt:
+            self._change_step()
+
+    def _resolve(self) -> None:
+        """Act on what the clock says: name what flew off, renew the lists."""
+        clock = self._state.clock
+        if clock.fault.numpy()[0]:
+            self._name_fault()
+        if not clock.moved.numpy()[0]:
+            return
+        if not self.features.contacts:
+            self._lists.relist()
+            return
+        self._examine_step()
+        self._lists.rebuild()
+        self._stepper.prepare()
+
+    def _name_fault(self) -> None:
+        body, what = observe.fault(self._model, self._state, self.dt)
+        name = self.placement.names[body]
+        raise UnstableError(
+            f'body "{name}" {what} at t = {self.time:.9g} s (step {self.step_count}); '
+            f"lower run.dt (now {self.dt:.3g} s) or the stiffness, or look for bodies that overlap "
+            f"at the start",
+            body=name,
+            time=self.time,
+        )
+
+    def _examine_step(self) -> None:
+        """Hold the step against the stiffness of the contacts that the old lists saw."""
+        bound = self.step_bound()
+        if self.scene.run.dt == "auto":
+            while self._next_dt > 0.5 * bound:
+                self._next_dt *= 0.5
+        elif self.dt > bound and not self._warned:
+            self._warned = True
+            self.notes.append(
+                f"dt = {self.dt:.4g} s is above the stability bound {bound:.4g} s of the contacts "
+                f"at t = {self.time:.4g} s"
+            )
+
+    def step_bound(self) -> float:
+        """Largest stable step for the contacts that touch now [s]; infinite without any."""
+        model, state, lists = self._model, self._state, self._lists
+        if not lists.pair_count:
+            return float("inf")
+        wp.launch(
+            frequency_bound,
+            dim=self.body_count,
+            inputs=[
+                model.inertia, model.materials, state.bodies, lists.pairs, lists.candidates,
+                lists.incidence,
+            ],
+            outputs=[self._square],
+            device=self.device,
+        )
+        square = float(self._square.numpy().max())
+        return 2.0 / square**0.5 if square > 0 else float("inf")
+
+    def _change_step(self) -> None:
+        self.notes.append(
+            f"dt lowered from {self.dt:.4g} to {self._next_dt:.4g} s at t = {self.time:.4g} s: "
+            f"more contacts share a body than at the start"
+        )
+        self._time, self._time_steps = self.time, self.step_count
+        self.dt = self._next_dt
+        self._make_stages()
+
+
+def find_device(name: str) -> Any:
+    """The Warp device of a name.
+
+    Raises:
+        WarpdemError: There is no such device.
+    """
+    wp.config.log_level = wp.LOG_ERROR if hasattr(wp, "LOG_ERROR") else 40
+    wp.init()
+    if name == "auto":
+        return wp.get_preferred_device()
+    try:
+        return wp.get_device(name)
+    except (ValueError, RuntimeError) as cause:
+        known = ", ".join(str(device) for device in wp.get_devices())
+        raise WarpdemError(f'run.device = "{name}": no such device; there are: {known}') from cause
