@@ -357,5 +357,6 @@ def carry_history(*, rolling: bool) -> wp.Kernel:
         pairs.touching[pair] = 0
         pairs.force[pair] = vec3()
         pairs.torque[pair] = vec3()
+        pairs.torque_partner[pair] = vec3()
 
     return carry_history

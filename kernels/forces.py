@@ -365,7 +365,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         # in
         dt: real,
         margin: real,
-        first: int,
+        span: wp.array(dtype=wp.int32),
         bodies: Bodies,
         clock: Clock,
         # in and out
@@ -374,8 +374,8 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         # out
         energy: Account,
     ):
-        pair = wp.tid() + first
-        if pair >= pairs.count[0] or clock.halted[0] != 0:
+        pair = wp.tid() + span[0]
+        if pair >= span[1] or clock.halted[0] != 0:
             return
         start = pairs.start[pair]
         end = pairs.start[pair + 1]
@@ -421,7 +421,8 @@ def pair_forces(laws: Laws) -> wp.Kernel:
                 torque += t
                 account += a
         pairs.force[pair] = force
-        pairs.torque[pair] = torque
+        pairs.torque[pair] = torque - wp.cross(d, force)
+        pairs.torque_partner[pair] = -torque
         if wp.static(laws.account):
             since = energy.pair[pair]
             energy.pair[pair] = vec4(

@@ -70,14 +70,14 @@ def drift(rotate: wp.Function, *, predicted: bool, driven: bool) -> wp.Kernel:
         # in
         dt: real,
         reach: real,
-        first: int,
+        span: wp.array(dtype=wp.int32),
         # in and out
         bodies: Bodies,
         # out
         clock: Clock,
     ):
-        body = wp.tid() + first
-        if clock.halted[0] != 0:
+        body = wp.tid() + span[0]
+        if body >= span[1] or clock.halted[0] != 0:
             return
         half = real(0.5) * dt
         if inertia.inverse_mass[body] == real(0.0):
@@ -132,23 +132,20 @@ def halt(
 
 
 @wp.func
-def gather(bodies: Bodies, pairs: Pairs, incidence: Incidence, body: int):
+def gather(pairs: Pairs, incidence: Incidence, body: int):
     """Contact force and torque on a body, summed over its pairs in a fixed order."""
     force = vec3()
     torque = vec3()
-    position = bodies.position[body]
     for k in range(incidence.start[body], incidence.start[body + 1]):
         code = incidence.pair[k]
         pair = code >> 1
         if pairs.touching[pair] > 0:
-            f = pairs.force[pair]
             if (code & 1) == 0:
-                branch = position - bodies.position[pairs.partner[pair]]
-                force += f
-                torque += pairs.torque[pair] - wp.cross(branch, f)
+                force += pairs.force[pair]
+                torque += pairs.torque[pair]
             else:
-                force -= f
-                torque -= pairs.torque[pair]
+                force -= pairs.force[pair]
+                torque += pairs.torque_partner[pair]
     return force, torque
 
 
@@ -163,7 +160,7 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
         gravity: vec3,
         # in
         dt: real,
-        first: int,
+        span: wp.array(dtype=wp.int32),
         pairs: Pairs,
         incidence: Incidence,
         clock: Clock,
@@ -172,8 +169,8 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
         # out
         energy: Account,
     ):
-        body = wp.tid() + first
-        if clock.halted[0] != 0:
+        body = wp.tid() + span[0]
+        if body >= span[1] or clock.halted[0] != 0:
             return
         free = inertia.inverse_mass[body] != real(0.0)
         if not free:
@@ -184,7 +181,7 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
         force = vec3()
         torque = vec3()
         if wp.static(contacts):
-            force, torque = gather(bodies, pairs, incidence, body)
+            force, torque = gather(pairs, incidence, body)
         if free:
             force += gravity / inertia.inverse_mass[body]
             spun = bodies.angular_momentum[body]

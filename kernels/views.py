@@ -84,14 +84,14 @@ class Bodies:
 class Pairs:
     """Body pairs near enough to touch before the next rebuild, sorted by owner and partner."""
 
-    count: wp.array(dtype=wp.int32)
     owner: wp.array(dtype=wp.int32)
     partner: wp.array(dtype=wp.int32)
     material: wp.array(dtype=wp.int32)
     start: wp.array(dtype=wp.int32)  # first candidate; one entry more than there are pairs
     touching: wp.array(dtype=wp.int32)  # number of touching candidates
     force: wp.array(dtype=vec3)  # on the owner
-    torque: wp.array(dtype=vec3)  # on the owner, about the partner's centre of mass
+    torque: wp.array(dtype=vec3)  # on the owner, about its centre of mass
+    torque_partner: wp.array(dtype=vec3)  # on the partner, about its own
 
 
 @wp.struct
@@ -131,7 +131,10 @@ class Material:
 
 @wp.struct
 class Clock:
-    """What the host reads between batches of steps, one number each."""
+    """What the host reads between batches of steps, one number each.
+
+    Host threads share ``moved`` and ``fault``, and each has its own ``halted`` and ``steps``.
+    """
 
     moved: wp.array(dtype=wp.int32)  # some body left its skin
     fault: wp.array(dtype=wp.int32)  # some body moved more than its own size in one step

@@ -8,30 +8,28 @@ from typing import TYPE_CHECKING
 import warp as wp
 
 from warpdem.kernels import candidates, integrate, measures, neighbours
-from warpdem.stages import drift, forces, halt, kick
+from warpdem.stages import cycle, kick
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from warpdem.lists import Lists
     from warpdem.model import Model
-    from warpdem.state import State
+    from warpdem.state import Share, State
 
 
-def kernels_of(model: Model, state: State, lists: Lists) -> dict[str, wp.Kernel]:
+def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[str, wp.Kernel]:
     """Every kernel that the scene will launch, by name."""
     has = model.features
-    kernels: dict[str, wp.Kernel] = {
-        "drift": drift(model, state, 0.0).kernel,
-        "halt": halt(state).kernel,
-        "orient": integrate.orient,
-        "kick": kick(model, state, lists, 0.0, contacts=has.contacts).kernel,
-    }
+    stages = cycle(model, state, lists, share, 0.0)
+    kernels: dict[str, wp.Kernel] = {stage.name: stage.kernel for stage in stages}
+    kernels["orient"] = integrate.orient
     if has.gravity_first:
-        kernels["first kick"] = kick(model, state, lists, 0.0, contacts=False).kernel
+        kernels["first kick"] = kick(
+            model, state, lists, share, 0.0, contacts=False
+        ).kernel
     if not has.contacts:
         return kernels
-    kernels["pair forces"] = forces(model, state, lists, 0.0).kernel
     for fill in (False, True):
         word = "fill" if fill else "count"
         kernels[f"{word} pairs"] = neighbours.find_partners(fill=fill, large=has.large)
@@ -45,11 +43,15 @@ def kernels_of(model: Model, state: State, lists: Lists) -> dict[str, wp.Kernel]
 
 
 def load(
-    model: Model, state: State, lists: Lists, progress: Callable[[str], None]
+    model: Model,
+    state: State,
+    lists: Lists,
+    share: Share,
+    progress: Callable[[str], None],
 ) -> float:
     """Load the modules of all kernels, compiling what the cache lacks; returns the seconds."""
     begin = time.perf_counter()
-    kernels = kernels_of(model, state, lists)
+    kernels = kernels_of(model, state, lists, share)
     for number, (name, kernel) in enumerate(kernels.items(), 1):
         progress(f"kernels {number}/{len(kernels)}: {name}")
         wp.load_module(kernel.module, device=model.device)

@@ -27,6 +27,7 @@ class Lists:
     Attributes:
         pairs, candidates, incidence: The lists (see kernels.views).
         pair_count, candidate_count: Their lengths now.
+        pair_room: Pairs for which there is room.
         rebuilds: How often they were made.
         generation: Changes whenever an array was replaced by a larger one.
         spent: Energy lost in dashpots, friction, rolling by pairs of earlier lists [J].
@@ -44,10 +45,9 @@ class Lists:
         self.rebuilds = 0
         self.generation = 0
         self.spent = np.zeros(3)
-        self._pair_room = 0
+        self.pair_room = 0
         self._candidate_room = 0
         count = model.body_count
-        self.pairs.count = wp.zeros(1, dtype=wp.int32, device=device)
         self.incidence.start = wp.zeros(count + 1, dtype=wp.int32, device=device)
         self._ends = wp.zeros(count, dtype=wp.int32, device=device)
         self._grid_bound = float(model.bound[~model.large].max(initial=0.0))
@@ -89,7 +89,7 @@ class Lists:
         return wp.HashGrid(side, side, side, device=self._model.device, dtype=wp.float64)
 
     def _grow_pairs(self, room: int) -> None:
-        if room <= self._pair_room:
+        if room <= self.pair_room:
             return
         room = int(room * GROWTH) + 64
         device = self._model.device
@@ -99,11 +99,12 @@ class Lists:
         pairs.start = wp.zeros(room + 1, dtype=wp.int32, device=device)
         pairs.force = wp.zeros(room, dtype=vec3, device=device)
         pairs.torque = wp.zeros(room, dtype=vec3, device=device)
+        pairs.torque_partner = wp.zeros(room, dtype=vec3, device=device)
         self.incidence.pair = wp.zeros(4 * room, dtype=wp.int32, device=device)
         self._keys = wp.zeros(4 * room, dtype=wp.int32, device=device)
         if self._model.features.account:
             self._state.account.pair = wp.zeros(room, dtype=vec4, device=device)
-        self._pair_room = room
+        self.pair_room = room
         self.generation += 1
 
     def _grow_candidates(self, room: int) -> None:
@@ -161,7 +162,6 @@ class Lists:
         wp.utils.array_scan(self._ends, self._ends, inclusive=True)
         self.pair_count = int(self._ends[-1:].numpy()[0])
         self._grow_pairs(self.pair_count)
-        self.pairs.count.fill_(self.pair_count)
         if self.pair_count:
             launch(self.pairs.owner, self.pairs.partner, fill=True)
         self._link()

@@ -74,15 +74,12 @@ def _forces(model: Model, state: State, lists: Lists) -> tuple[FloatArray, Float
     n = lists.pair_count
     on = np.flatnonzero(pairs.touching.numpy()[:n])
     owner, partner = pairs.owner.numpy()[on], pairs.partner.numpy()[on]
-    f, t = pairs.force.numpy()[on], pairs.torque.numpy()[on]
-    x = state.bodies.position.numpy()
-    mine = fixed[owner]
+    f = pairs.force.numpy()[on]
+    mine, theirs = fixed[owner], fixed[partner]
     np.add.at(force, owner[mine], f[mine])
-    branch = x[owner[mine]] - x[partner[mine]]
-    np.add.at(torque, owner[mine], t[mine] - np.cross(branch, f[mine]))
-    theirs = fixed[partner]
+    np.add.at(torque, owner[mine], pairs.torque.numpy()[on][mine])
     np.subtract.at(force, partner[theirs], f[theirs])
-    np.subtract.at(torque, partner[theirs], t[theirs])
+    np.add.at(torque, partner[theirs], pairs.torque_partner.numpy()[on][theirs])
     return force, torque
 
 

@@ -185,7 +185,7 @@ def build(
     if not keep_features:
         edge_active = active_edges(core, segments)
         vertex_active = active_vertices(count, segments, edge_active)
-    return _in_principal_frame(
+    return in_frame(
         core,
         mass,
         name=name,
@@ -216,13 +216,22 @@ def _mass(
     return None
 
 
-def _in_principal_frame(core: Core, mass: MassProperties | None, **known: Any) -> Polyhedron:
-    """The polyhedron with what depends on its frame worked out."""
-    origin, moments, axes = np.zeros(3), np.zeros(3), np.eye(3)
+def in_frame(
+    core: Core, mass: MassProperties | None, *, origin: FloatArray | None = None, **known: Any
+) -> Polyhedron:
+    """The polyhedron of a core moved to its principal frame.
+
+    Args:
+        core: In the shape's own frame, or, with ``origin``, already about it.
+        mass: Mass properties, None when unknown.
+        origin: Point of the shape's own frame that the core has been moved from.
+        known: The attributes of the polyhedron that do not follow from core and mass.
+    """
+    start, moments, axes = np.zeros(3), np.zeros(3), np.eye(3)
     if mass is not None:
-        origin = mass.centre
+        start = mass.centre
         moments, axes = principal_axes(mass.inertia_over_mass)
-    moved = replace(core, vertices=(core.vertices - origin) @ axes)
+    moved = replace(core, vertices=(core.vertices - start) @ axes)
     sides = core.facets.sides
     height = np.einsum("ij,ij->i", moved.vertices[sides[:, 0]], moved.normals[core.facets.owner])
     length = np.diff(core.facets.start)
@@ -240,7 +249,7 @@ def _in_principal_frame(core: Core, mass: MassProperties | None, **known: Any) -
         inertia_over_mass=moments,
         volume_error=mass.error if mass else 0.0,
         mass_known=mass is not None,
-        frame_origin=origin,
+        frame_origin=start if origin is None else origin,
         frame_rotation=from_matrix(axes),
         **known,
     )

@@ -6,14 +6,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpdem.errors import GeometryError
 from warpdem.inertia import rounded_box
 from warpdem.polyhedron import Polyhedron, build
-from warpdem.scene_shapes import BoxShape, PolyhedronShape, SphereShape
+from warpdem.scene_shapes import (
+    BoxShape,
+    MeshShape,
+    PolyhedronShape,
+    ShpShape,
+    SphereShape,
+    TerrainShape,
+)
+from warpdem.shp import ShpItem, read_shp
+from warpdem.terrain import read_raster, terrain
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from warpdem.arrays import FloatArray
+    from warpdem.arrays import FloatArray, IntArray
     from warpdem.scene_shapes import Shape
 
 Declared = tuple[float, tuple[float, ...]]
@@ -43,10 +53,17 @@ def polyhedron_of(shape: Shape, directory: Path) -> Polyhedron:
             return box(shape.name, (2.0 * shape.radius,) * 3, shape.radius)
         case PolyhedronShape():
             return _polyhedron(shape)
-    raise NotImplementedError
+        case MeshShape():
+            return _mesh(shape, directory)
+        case ShpShape():
+            return _shp(shape, directory)
+        case TerrainShape():
+            return terrain(
+                read_raster(directory / shape.file), name=shape.name, radius=shape.rounding
+            )
 
 
-def _declared(shape: BoxShape | PolyhedronShape) -> Declared | None:
+def _declared(shape: BoxShape | PolyhedronShape | MeshShape | ShpShape) -> Declared | None:
     if shape.volume is None or shape.inertia_over_mass is None:
         return None
     return shape.volume, shape.inertia_over_mass
@@ -110,3 +127,62 @@ def _polyhedron(shape: PolyhedronShape) -> Polyhedron:
         declared=declared,
         repair=declared is None,
     )
+
+
+def _shp(shape: ShpShape, directory: Path) -> Polyhedron:
+    path = directory / shape.file
+    items = read_shp(path)
+    item = items.get(shape.item or shape.name)
+    if item is None:
+        known = ", ".join(items) or "nothing"
+        raise GeometryError(
+            f'shape "{shape.name}": {path} holds no {shape.item or shape.name!r} but {known}; '
+            "set item"
+        )
+    return build(
+        item.vertices,
+        item.faces,
+        name=shape.name,
+        radius=item.radius,
+        edges=item.edges,
+        declared=_declared(shape) or _declared_item(item),
+        keep_features=True,
+    )
+
+
+def _declared_item(item: ShpItem) -> Declared | None:
+    if not item.precomputed or item.volume is None or item.inertia_over_mass is None:
+        return None
+    return item.volume, item.inertia_over_mass
+
+
+def _mesh(shape: MeshShape, directory: Path) -> Polyhedron:
+    vertices, faces = read_mesh(directory / shape.file)
+    return build(
+        shape.scale * vertices,
+        faces,
+        name=shape.name,
+        radius=shape.rounding,
+        declared=_declared(shape),
+    )
+
+
+def read_mesh(path: Path) -> tuple[FloatArray, IntArray | list[list[int]]]:
+    """Vertices and facets of an STL, OBJ or PLY file, in the file's unit.
+
+    Raises:
+        GeometryError: The file cannot be read, or holds no facets.
+    """
+    import meshio  # noqa: PLC0415  a scene without meshes starts faster
+
+    try:
+        mesh = meshio.read(path)
+    except (OSError, meshio.ReadError, ValueError, SystemExit) as error:
+        raise GeometryError(f"{path}: {str(error) or 'cannot be read as a mesh'}") from None
+    blocks = [block.data for block in mesh.cells if block.dim == 2]
+    if not blocks:
+        raise GeometryError(f"{path}: holds no facets")
+    points = np.asarray(mesh.points, float)[:, :3]
+    if len({block.shape[1] for block in blocks}) == 1:
+        return points, np.concatenate(blocks)
+    return points, [facet for block in blocks for facet in block.tolist()]

@@ -20,8 +20,9 @@ from warpdem.kernels.precision import real
 from warpdem.lists import Lists
 from warpdem.placement import place
 from warpdem.shapes import polyhedra_of
-from warpdem.stages import Stage, drift, forces, halt, kick
-from warpdem.stepper import Crew, Recorded, Stepper, launch
+from warpdem.stages import Stage, after_drift, drift, forces, halt, kick
+from warpdem.state import cut
+from warpdem.stepper import Stepper, launch
 from warpdem.timestep import automatic_step
 
 if TYPE_CHECKING:
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
     from warpdem.scene import Scene
     from warpdem.snapshot import Snapshot
 
-# bodies below which a second host thread costs more than it saves (30 us a barrier, two a step)
-CREW_BODIES = 400
+# bodies a host thread must have for the meetings to pay: two a step, about 2 us each
+CREW_BODIES = 50
 # seconds between two questions whether to stop
 PATIENCE = 0.2
 
@@ -75,6 +76,9 @@ class Simulation:
             scene, self.placement, self.polyhedra, self.features, self.device
         )
         self._lists = Lists(self._model, self._state)
+        count = self.body_count
+        self._whole = cut(self._state, count, 1, self.device)[0]
+        self._shares = cut(self._state, count, self._crew_size(), self.device)
         self._square = wp.zeros(self.body_count, dtype=real, device=self.device)
         self._time = 0.0
         self._time_steps = 0
@@ -151,6 +155,7 @@ class Simulation:
         resume.put_back(self._state, self._lists, arrays, orient=self._orient)
         self._lists.rebuilds = int(arrays["counts"][2])
         self._state.clock.steps.fill_(int(arrays["counts"][1]))
+        self._stepper.close()
         self._make_stages()
 
     def report(self) -> dict[str, Any]:
@@ -172,31 +177,25 @@ class Simulation:
         }
 
     def _crew_size(self) -> int:
-        if not self.device.is_cpu or self.body_count < CREW_BODIES:
+        if not self.device.is_cpu:
             return 1
-        return max(1, min(self._threads, self.body_count // (CREW_BODIES // 2)))
+        # more threads than cores would spin for one another
+        most = min(self._threads, os.cpu_count() or 1)
+        return max(1, min(most, self.body_count // CREW_BODIES))
 
     def _compile(self, progress: Callable[[str], None]) -> None:
-        self.compile_seconds = load(self._model, self._state, self._lists, progress)
+        self.compile_seconds = load(
+            self._model, self._state, self._lists, self._shares[0], progress
+        )
 
     def _make_stages(self) -> None:
         model, state, lists = self._model, self._state, self._lists
-        contacts = self.features.contacts
-        self._drift = (drift(model, state, self.dt), halt(state))
-        after = [kick(model, state, lists, self.dt, contacts=contacts)]
-        if contacts:
-            after.insert(0, forces(model, state, lists, self.dt))
-        self._after = tuple(after)
-        stages = (*self._after, *self._drift)
-        size = self._crew_size()
-        self._stepper: Stepper
-        if size > 1:
-            self._stepper = Crew(stages, lists, state, self.body_count, size)
-        else:
-            self._stepper = Recorded(stages, lists, state, self.body_count, self.device)
-        self._stepper.prepare()
+        self._drift = (drift(model, state, self._whole, self.dt), halt(self._whole))
+        self._after = after_drift(model, state, lists, self._whole, self.dt)
+        self._stepper = Stepper(model, state, lists, self._shares, self.dt)
 
     def _launch(self, *stages: Stage) -> None:
+        self._whole.pairs.assign([0, self._lists.pair_count])
         for stage in stages:
             count = {"bodies": self.body_count, "pairs": self._lists.pair_count, "one": 1}
             launch(stage, count[stage.over], self.device)
@@ -217,15 +216,16 @@ class Simulation:
         self._orient()
         wp.copy(state.bodies.listed_position, state.bodies.position)
         wp.copy(state.bodies.listed_orientation, state.bodies.orientation)
-        self._launch(drift(model, state, 0.0))
+        whole = self._whole
+        self._launch(drift(model, state, whole, 0.0))
         contacts = self.features.contacts
         if contacts:
             lists.rebuild()
         if contacts and not self.features.gravity_first:
-            self._launch(forces(model, state, lists, 0.0))
-            self._launch(kick(model, state, lists, 0.0, contacts=True))
+            self._launch(forces(model, state, lists, whole, 0.0))
+            self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
         else:
-            self._launch(kick(model, state, lists, 0.0, contacts=False))
+            self._launch(kick(model, state, lists, whole, 0.0, contacts=False))
         self._make_stages()
 
     def _steps_to(self, until: float) -> int:
@@ -308,6 +308,7 @@ class Simulation:
         )
         self._time, self._time_steps = self.time, self.step_count
         self.dt = self._next_dt
+        self._stepper.close()
         self._make_stages()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from warpdem.kernels import integrate, rotation
+from warpdem.kernels import integrate, meeting, rotation
 from warpdem.kernels.forces import Laws, pair_forces
 from warpdem.kernels.precision import vec3
 
@@ -15,63 +15,91 @@ if TYPE_CHECKING:
     from warpdem.features import Features
     from warpdem.lists import Lists
     from warpdem.model import Model
-    from warpdem.state import State
+    from warpdem.state import Share, State
 
 
 @dataclass(frozen=True)
 class Stage:
-    """One kernel over all bodies or pairs.
+    """One kernel over a share of all bodies or pairs.
 
     Attributes:
         name: What a profile calls it.
         kernel: The kernel.
-        over: What a thread owns; its ranges may be split among host threads.
+        over: What a thread of it owns.
         arguments: In the kernel's order.
-        first: Index of the argument that holds the first thread of a range; -1 without.
     """
 
     name: str
     kernel: wp.Kernel
     over: Literal["bodies", "pairs", "one"]
     arguments: tuple[Any, ...]
-    first: int
 
 
-def drift(model: Model, state: State, dt: float) -> Stage:
+def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
     """First half kick and drift."""
     has = model.features
     kernel = integrate.drift(_rotate(has), predicted=has.predicted, driven=has.driven)
     arguments = (
-        model.geometry, model.inertia, dt, 0.5 * model.skin, 0, state.bodies, state.clock,
+        model.geometry,
+        model.inertia,
+        dt,
+        0.5 * model.skin,
+        share.bodies,
+        state.bodies,
+        share.clock,
     )
-    return Stage("drift", kernel, "bodies", arguments, 4)
+    return Stage("drift", kernel, "bodies", arguments)
 
 
-def halt(state: State) -> Stage:
+def halt(share: Share) -> Stage:
     """Count the step; stop where a body left its skin."""
-    return Stage("halt", integrate.halt, "one", (state.clock,), -1)
+    return Stage("halt", integrate.halt, "one", (share.clock,))
 
 
-def forces(model: Model, state: State, lists: Lists, dt: float) -> Stage:
+def forces(model: Model, state: State, lists: Lists, share: Share, dt: float) -> Stage:
     """Contact wrench of each pair."""
     arguments = (
-        model.geometry, model.inertia, model.materials, dt, model.keep_within, 0,
-        state.bodies, state.clock, lists.pairs, lists.candidates, state.account,
+        model.geometry,
+        model.inertia,
+        model.materials,
+        dt,
+        model.keep_within,
+        share.pairs,
+        state.bodies,
+        share.clock,
+        lists.pairs,
+        lists.candidates,
+        state.account,
     )
-    return Stage("pair forces", pair_forces(laws(model.features)), "pairs", arguments, 5)
+    return Stage("pair forces", pair_forces(laws(model.features)), "pairs", arguments)
 
 
-def kick(model: Model, state: State, lists: Lists, dt: float, *, contacts: bool) -> Stage:
+def kick(
+    model: Model, state: State, lists: Lists, share: Share, dt: float, *, contacts: bool
+) -> Stage:
     """Gather the wrenches, add body forces, second half kick."""
     has = model.features
     torque = rotation.taylor_torque if has.taylor else rotation.free_torque
     account = has.account and has.driven
     kernel = integrate.kick(torque, contacts=contacts, account=account)
     arguments = (
-        model.inertia, vec3(*model.gravity), dt, 0, lists.pairs, lists.incidence, state.clock,
-        state.bodies, state.account,
+        model.inertia,
+        vec3(*model.gravity),
+        dt,
+        share.bodies,
+        lists.pairs,
+        lists.incidence,
+        share.clock,
+        state.bodies,
+        state.account,
     )
-    return Stage("gather and kick", kernel, "bodies", arguments, 3)
+    return Stage("gather and kick", kernel, "bodies", arguments)
+
+
+def meet(share: Share) -> Stage:
+    """Wait for the other host threads."""
+    arguments = (share.member, share.members, share.arrived)
+    return Stage("meet", meeting.meet, "one", arguments)
 
 
 def laws(has: Features) -> Laws:
@@ -83,3 +111,29 @@ def _rotate(has: Features) -> wp.Function:
     if has.taylor:
         return rotation.taylor_drift
     return rotation.spherical_drift if has.spherical else rotation.free_drift
+
+
+def after_drift(
+    model: Model, state: State, lists: Lists, share: Share, dt: float
+) -> tuple[Stage, ...]:
+    """The stages of a step that follow its drift."""
+    contacts = model.features.contacts
+    kicked = kick(model, state, lists, share, dt, contacts=contacts)
+    if not contacts:
+        return (kicked,)
+    waits = (meet(share),) if share.members > 1 else ()
+    return (forces(model, state, lists, share, dt), *waits, kicked)
+
+
+def cycle(model: Model, state: State, lists: Lists, share: Share, dt: float) -> tuple[Stage, ...]:
+    """From drift to drift.
+
+    A host thread takes the same bodies in each stage, so none waits between kick and drift.
+    """
+    waits = (meet(share),) if share.members > 1 else ()
+    return (
+        *after_drift(model, state, lists, share, dt),
+        drift(model, state, share, dt),
+        *waits,
+        halt(share),
+    )

@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import warp as wp
 
+from warpdem.kernels.meeting import LINE
 from warpdem.kernels.precision import mat33, quat, real, vec3, vec4
 from warpdem.kernels.views import Account, Bodies, Clock
 
@@ -51,3 +53,40 @@ def allocate(device: Any, body_count: int, arm_count: int, *, account: bool) -> 
     energy.work = zeros(real, kept)
     energy.pair = zeros(vec4, 1)
     return State(bodies, clock, energy)
+
+
+@dataclass(frozen=True)
+class Share:
+    """A host thread's part of every stage.
+
+    Attributes:
+        member, members: Which thread of how many.
+        bodies, pairs: First and last + 1, shape [2] each.
+        clock: Shared flags, own counters.
+        arrived: Counters of the meetings of all threads, shape [members * LINE].
+    """
+
+    member: int
+    members: int
+    bodies: wp.array
+    pairs: wp.array
+    clock: Clock
+    arrived: wp.array
+
+
+def cut(state: State, body_count: int, members: int, device: Any) -> list[Share]:
+    """Shares of ``members`` host threads; the first one has the state's own clock."""
+    cuts = np.linspace(0, body_count, members + 1).astype(np.int32)
+    arrived = wp.zeros(members * LINE, dtype=wp.int32, device=device)
+    shares = []
+    for member in range(members):
+        clock = state.clock
+        if member > 0:
+            clock = Clock()
+            clock.moved, clock.fault = state.clock.moved, state.clock.fault
+            clock.halted = wp.zeros(1, dtype=wp.int32, device=device)
+            clock.steps = wp.zeros(1, dtype=wp.int32, device=device)
+        bodies = wp.array(cuts[member : member + 2], dtype=wp.int32, device=device)
+        pairs = wp.zeros(2, dtype=wp.int32, device=device)
+        shares.append(Share(member, members, bodies, pairs, clock, arrived))
+    return shares

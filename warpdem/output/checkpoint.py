@@ -80,7 +80,7 @@ def load(path: Path) -> Checkpoint:
         OutputError: It cannot be read, or is damaged.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         head = json.loads(str(arrays.pop("head")))
         version = head.pop("version")

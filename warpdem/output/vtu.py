@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 END = b"</VTKFile>\n"
 """The last bytes of a whole file."""
 
+OUT_OF_DISK_SPACE = 20007
+"""VTK's own error code, which it does not name in Python."""
+
 
 def polygons(
     points: NDArray[np.floating],
@@ -82,10 +85,9 @@ def write(path: Path, grid: vtkUnstructuredGrid, compression: str) -> None:
     writer.SetInputData(grid)
     writer.SetDataModeToAppended()
     writer.EncodeAppendedDataOff()
-    writer.SetHeaderTypeToUInt64()
     _compress(writer, compression)
     if writer.Write() != 1 or not _is_whole(path):
-        cause = writer.GetErrorCode() or errno.EIO  # of the system; 0 where VTK does not know
+        cause = _cause(writer.GetErrorCode())
         raise OSError(cause, os.strerror(cause), str(path))
 
 
@@ -98,6 +100,13 @@ def _compress(writer: vtkXMLUnstructuredGridWriter, compression: str) -> None:
     else:
         writer.SetCompressorTypeToZLib()
     writer.SetCompressionLevel(1)
+
+
+def _cause(code: int) -> int:
+    """The system's error number for VTK's, which is the same, or one of its own, or 0."""
+    if code == OUT_OF_DISK_SPACE:
+        return errno.ENOSPC
+    return code if code in errno.errorcode else errno.EIO
 
 
 def _is_whole(path: Path) -> bool:

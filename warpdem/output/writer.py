@@ -52,15 +52,6 @@ class Writer:
         self._raise_fault()
         self._jobs.put(job)
 
-    def flush(self) -> None:
-        """Wait until all jobs are done.
-
-        Raises:
-            OutputError: One of them failed.
-        """
-        self._jobs.join()
-        self._raise_fault()
-
     def _work(self) -> None:
         while (job := self._jobs.get()) is not None:
             try:
@@ -68,8 +59,6 @@ class Writer:
                     job()
             except Exception as fault:  # noqa: BLE001 - raised again in the main thread
                 self._fault = fault
-            finally:
-                self._jobs.task_done()
 
     def _raise_fault(self) -> None:
         if isinstance(self._fault, OSError):

@@ -1,0 +1,33 @@
+"""Where host threads wait for each other between two stages, without leaving native code."""
+
+import warp as wp
+
+from warpdem.kernels.variant import plain
+
+# one counter a cache line
+LINE = 16
+
+
+@wp.func_native(
+    """
+    int mine = __atomic_load_n(arrived.data + member * 16, __ATOMIC_RELAXED) + 1;
+    __atomic_store_n(arrived.data + member * 16, mine, __ATOMIC_RELEASE);
+    for (int other = 0; other < members; ++other)
+        while (__atomic_load_n(arrived.data + other * 16, __ATOMIC_ACQUIRE) - mine < 0) { }
+    """
+)
+def wait_for_all(arrived: wp.array(dtype=wp.int32), member: int, members: int):
+    """Count oneself as arrived, and spin until all members have come as often."""
+    ...
+
+
+@plain
+def meet(
+    # in
+    member: int,
+    members: int,
+    # in and out
+    arrived: wp.array(dtype=wp.int32),
+):
+    """Barrier of ``members`` host threads on the CPU; ``arrived`` has shape [members * LINE]."""
+    wait_for_all(arrived, member, members)
