@@ -5,12 +5,12 @@ two bodies together move by less than the skin.
 """
 
 import warp as wp
-
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
 
 
-@wp.func
+@inlined()
 def boxes_near(geometry: Geometry, bodies: Bodies, i: int, j: int, reach: real) -> bool:
     """Separating-axis test of the two core boxes over their six face normals."""
     shape_i = geometry.shape[i]
@@ -38,7 +38,7 @@ def boxes_near(geometry: Geometry, bodies: Bodies, i: int, j: int, reach: real) 
     return True
 
 
-@wp.func
+@inlined()
 def bodies_near(geometry: Geometry, bodies: Bodies, i: int, j: int, skin: real) -> bool:
     """Whether two bodies could touch within the skin: bounding spheres, then core boxes."""
     if geometry.large[i] == 0 and geometry.large[j] == 0:
@@ -70,21 +70,30 @@ def boxes_meet(a: vec3, b: vec3, middle: vec3, half: vec3, reach: real) -> bool:
 
 
 @wp.func
-def vertex_near_edge(p: vec3, a: vec3, b: vec3, reach: real, skin: real) -> bool:
-    """Distance within ``reach`` and foot within ``skin`` of the edge's ends."""
+def vertex_near_edge(p: vec3, a: vec3, b: vec3, half: real, reach: real, skin: real) -> bool:
+    """Distance within ``reach`` and foot within ``skin`` of the edge's ends; ``half`` its length."""
+    near = half + reach
+    if wp.length_sq(p - (a + b) * real(0.5)) > near * near:
+        return False
     e = b - a
     w = p - a
     square = wp.dot(e, e)
     r = wp.dot(w, e)
-    slack = skin * wp.sqrt(square)
+    slack = skin * (half + half)
     if r < -slack or r - square > slack:
         return False
     return wp.length_sq(w - e * wp.clamp(r / square, real(0.0), real(1.0))) <= reach * reach
 
 
 @wp.func
-def edges_near(p: vec3, p1: vec3, q: vec3, q1: vec3, reach: real) -> bool:
-    """Whether two segments are within ``reach``; Ericson (2005), Real-Time Collision Detection."""
+def edges_near(p: vec3, p1: vec3, q: vec3, q1: vec3, halves: real, reach: real) -> bool:
+    """Whether two segments, half as long together as ``halves``, are within ``reach``.
+
+    Ericson (2005), Real-Time Collision Detection, 5.1.9, after a test of their bounding spheres.
+    """
+    near = halves + reach
+    if wp.length_sq(p + p1 - q - q1) > real(4.0) * near * near:
+        return False
     u = p1 - p
     v = q1 - q
     w = p - q
@@ -107,9 +116,9 @@ def edges_near(p: vec3, p1: vec3, q: vec3, q1: vec3, reach: real) -> bool:
     return wp.length_sq(w + u * s - v * t) <= reach * reach
 
 
-@wp.func
+@inlined()
 def vertex_near_face(
-    geometry: Geometry, face: int, x: vec3, scale: real, reach: real, skin: real
+    geometry: Geometry, shape: int, face: int, x: vec3, scale: real, reach: real, skin: real
 ) -> bool:
     """Height within ``reach`` (or behind the face within its depth), foot within ``skin`` of it.
 
@@ -118,17 +127,24 @@ def vertex_near_face(
     height = (wp.dot(geometry.normal[face], x) - geometry.offset[face]) * scale
     if height > reach:
         return False
-    if height < -(geometry.depth[face] * scale + skin) and height < -reach:
+    if geometry.face_convex[face] == 0 or geometry.two_sided[shape] != 0:
+        if geometry.two_sided[shape] != 0 and height < -reach:
+            return False
+        if geometry.face_convex[face] == 0:
+            return True
+    elif height < -(geometry.depth[face] * scale + skin):
         return False
-    if geometry.face_convex[face] == 0:
-        return True
+    # over the face its own sides bound it; behind it the planes halfway to its neighbours, which
+    # may lie farther out the deeper the vertex is
+    slack = skin + wp.max(real(0.0), -height)
+    deep = height < -skin and geometry.two_sided[shape] == 0
+    if deep:
+        slack = skin
     for side in range(geometry.side_start[face], geometry.side_start[face + 1]):
         plane = geometry.side_above[side]
+        if deep:
+            plane = geometry.side_below[side]
         out = plane[0] * x[0] + plane[1] * x[1] + plane[2] * x[2] - plane[3]
-        below = real(0.0)
-        if height < real(0.0):
-            # behind the face its region may widen with depth (concave borders)
-            below = -height
-        if out * scale > skin + below:
+        if out * scale > slack:
             return False
     return True

@@ -3,7 +3,6 @@
 import functools
 
 import warp as wp
-
 from warpdem.kernels.bounds import (
     boxes_meet,
     edges_near,
@@ -12,10 +11,9 @@ from warpdem.kernels.bounds import (
     vertex_near_face,
 )
 from warpdem.kernels.codes import EE, EV, FV, VE, VF, VV, encode
-from warpdem.kernels.neighbours import lower_bound
-from warpdem.kernels.precision import real, vec3, vec4
-from warpdem.kernels.variant import variant
-from warpdem.kernels.views import Bodies, Candidates, Geometry, Pairs
+from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.variant import inlined, variant
+from warpdem.kernels.views import Bodies, Geometry, Pairs
 
 
 @functools.cache
@@ -36,10 +34,18 @@ def vertices_against(*, fill: bool) -> wp.Function:
     """Function: vertices of one body against vertices, edges and faces of another, all of them."""
     put = emit(fill=fill)
 
-    @wp.func
+    @inlined()
     def vertices_against(
-        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, swapped: bool,
-        reach: real, skin: real, code: wp.array(dtype=wp.int64), start: int,
+        geometry: Geometry,
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: vec3,
+        swapped: bool,
+        reach: real,
+        skin: real,
+        code: wp.array(dtype=wp.int64),
+        start: int,
     ) -> int:
         """``d`` is x_i - x_j; ``swapped`` when i is the partner: vertex pairs are left out then."""
         n = start
@@ -71,13 +77,17 @@ def vertices_against(*, fill: bool) -> wp.Function:
                         if geometry.edge_active[edge_j + b] != 0:
                             ends = geometry.edge[edge_j + b]
                             q = bodies.arm[arm_j + ends[0]]
-                            if vertex_near_edge(p, q, bodies.arm[arm_j + ends[1]], reach, skin):
+                            q1 = bodies.arm[arm_j + ends[1]]
+                            half_edge = geometry.edge_half[edge_j + b] * scale
+                            if vertex_near_edge(p, q, q1, half_edge, reach, skin):
                                 if swapped:
                                     n = put(code, n, EV, b, a)
                                 else:
                                     n = put(code, n, VE, a, b)
                     for b in range(faces_j):
-                        if vertex_near_face(geometry, face_j + b, x / scale, scale, reach, skin):
+                        if vertex_near_face(
+                            geometry, shape_j, face_j + b, x / scale, scale, reach, skin
+                        ):
                             if swapped:
                                 n = put(code, n, FV, b, a)
                             else:
@@ -92,10 +102,16 @@ def edges_against(*, fill: bool) -> wp.Function:
     """Function: edges of the owner against all edges of the partner."""
     put = emit(fill=fill)
 
-    @wp.func
+    @inlined()
     def edges_against(
-        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, reach: real,
-        code: wp.array(dtype=wp.int64), start: int,
+        geometry: Geometry,
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: vec3,
+        reach: real,
+        code: wp.array(dtype=wp.int64),
+        start: int,
     ) -> int:
         n = start
         shape_i = geometry.shape[i]
@@ -114,12 +130,15 @@ def edges_against(*, fill: bool) -> wp.Function:
                 ends = geometry.edge[edge_i + a]
                 p = d + bodies.arm[arm_i + ends[0]]
                 p1 = d + bodies.arm[arm_i + ends[1]]
+                half_edge = geometry.edge_half[edge_i + a] * geometry.scale[i]
                 if boxes_meet(inverse * p, inverse * p1, middle, half, reach):
                     for b in range(edges_j):
                         if geometry.edge_active[edge_j + b] != 0:
                             others = geometry.edge[edge_j + b]
                             q = bodies.arm[arm_j + others[0]]
-                            if edges_near(p, p1, q, bodies.arm[arm_j + others[1]], reach):
+                            q1 = bodies.arm[arm_j + others[1]]
+                            halves = half_edge + geometry.edge_half[edge_j + b] * scale
+                            if edges_near(p, p1, q, q1, halves, reach):
                                 n = put(code, n, EE, a, b)
         return n
 
@@ -131,13 +150,25 @@ def against_tree(*, fill: bool) -> wp.Function:
     """Function: one box of the owner's features against the partner's tree of features."""
     put = emit(fill=fill)
 
-    @wp.func
+    @inlined()
     def against_tree(
-        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, kind: int, a: int,
-        p: vec3, p1: vec3, low: vec3, high: vec3, reach: real, skin: real,
-        code: wp.array(dtype=wp.int64), start: int,
+        geometry: Geometry,
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: vec3,
+        kind: int,
+        a: int,
+        p: vec3,
+        p1: vec3,
+        low: vec3,
+        high: vec3,
+        reach: real,
+        skin: real,
+        code: wp.array(dtype=wp.int64),
+        start: int,
     ) -> int:
-        """``kind`` 0 vertex at p, 1 edge p p1, 2 face; the box low high is in the partner's frame."""
+        """``kind`` 0: vertex at p, 1: edge p p1, 2: face; low and high in the partner's frame."""
         n = start
         shape_i = geometry.shape[i]
         shape = geometry.shape[j]
@@ -147,6 +178,9 @@ def against_tree(*, fill: bool) -> wp.Function:
         vertices = geometry.vertex_start[shape + 1] - vertex_j
         edges = geometry.edge_start[shape + 1] - edge_j
         arm = geometry.arm_start[j]
+        half_edge = real(0.0)
+        if kind == 1:
+            half_edge = geometry.edge_half[geometry.edge_start[shape_i] + a] * geometry.scale[i]
         grown = vec3(reach)
         query = wp.bvh_query_aabb(
             geometry.tree[shape], wp.vec3((low - grown) / scale), wp.vec3((high + grown) / scale)
@@ -161,31 +195,32 @@ def against_tree(*, fill: bool) -> wp.Function:
                     if wp.length_sq(p - q) <= reach * reach:
                         n = put(code, n, VV, a, item)
                 elif kind == 1:
-                    if vertex_near_edge(q, p, p1, reach, skin):
+                    if vertex_near_edge(q, p, p1, half_edge, reach, skin):
                         n = put(code, n, EV, a, item)
                 else:
                     face = geometry.face_start[shape_i] + a
                     x = wp.transpose(bodies.rotation[i]) * (q - d) / geometry.scale[i]
-                    if vertex_near_face(geometry, face, x, geometry.scale[i], reach, skin):
+                    if vertex_near_face(geometry, shape_i, face, x, geometry.scale[i], reach, skin):
                         n = put(code, n, FV, a, item)
             elif item < vertices + edges:
                 b = item - vertices
                 ends = geometry.edge[edge_j + b]
                 q = bodies.arm[arm + ends[0]]
                 q1 = bodies.arm[arm + ends[1]]
+                half_other = geometry.edge_half[edge_j + b] * scale
                 if geometry.edge_active[edge_j + b] == 0:
                     n = n + 0
                 elif kind == 0:
-                    if vertex_near_edge(p, q, q1, reach, skin):
+                    if vertex_near_edge(p, q, q1, half_other, reach, skin):
                         n = put(code, n, VE, a, b)
                 elif kind == 1:
-                    if edges_near(p, p1, q, q1, reach):
+                    if edges_near(p, p1, q, q1, half_edge + half_other, reach):
                         n = put(code, n, EE, a, b)
             elif kind == 0:
                 b = item - vertices - edges
                 x = wp.transpose(bodies.rotation[j]) * p / scale
                 face = geometry.face_start[shape] + b
-                if vertex_near_face(geometry, face, x, scale, reach, skin):
+                if vertex_near_face(geometry, shape, face, x, scale, reach, skin):
                     n = put(code, n, VF, a, b)
         return n
 
@@ -197,10 +232,17 @@ def features_against_tree(*, fill: bool) -> wp.Function:
     """Function: every active feature of the owner against the partner's tree."""
     against = against_tree(fill=fill)
 
-    @wp.func
+    @inlined()
     def features_against_tree(
-        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, reach: real, skin: real,
-        code: wp.array(dtype=wp.int64), start: int,
+        geometry: Geometry,
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: vec3,
+        reach: real,
+        skin: real,
+        code: wp.array(dtype=wp.int64),
+        start: int,
     ) -> int:
         n = start
         shape = geometry.shape[i]
@@ -213,9 +255,7 @@ def features_against_tree(*, fill: bool) -> wp.Function:
             if geometry.vertex_active[vertex + a] != 0:
                 p = d + bodies.arm[arm + a]
                 x = inverse * p
-                n = against(
-                    geometry, bodies, i, j, d, 0, a, p, p, x, x, reach, skin, code, n
-                )
+                n = against(geometry, bodies, i, j, d, 0, a, p, p, x, x, reach, skin, code, n)
         for a in range(geometry.edge_start[shape + 1] - edge):
             if geometry.edge_active[edge + a] != 0:
                 ends = geometry.edge[edge + a]
@@ -224,8 +264,21 @@ def features_against_tree(*, fill: bool) -> wp.Function:
                 x = inverse * p
                 y = inverse * p1
                 n = against(
-                    geometry, bodies, i, j, d, 1, a, p, p1,
-                    wp.min(x, y), wp.max(x, y), reach, skin, code, n,
+                    geometry,
+                    bodies,
+                    i,
+                    j,
+                    d,
+                    1,
+                    a,
+                    p,
+                    p1,
+                    wp.min(x, y),
+                    wp.max(x, y),
+                    reach,
+                    skin,
+                    code,
+                    n,
                 )
         for a in range(geometry.face_start[shape + 1] - face):
             first = geometry.side_start[face + a]
@@ -309,54 +362,3 @@ def find_candidates(*, fill: bool, polyhedra: bool, trees: bool) -> wp.Kernel:
             ends[pair] = n - first
 
     return find_candidates
-
-
-@functools.cache
-def carry_history(*, rolling: bool) -> wp.Kernel:
-    """Kernel that moves what contacts remember from the old lists into the new ones, by merging."""
-
-    @variant
-    def carry_history(
-        # in
-        old_ends: wp.array(dtype=wp.int32),
-        old_partner: wp.array(dtype=wp.int32),
-        old_start: wp.array(dtype=wp.int32),
-        old_code: wp.array(dtype=wp.int64),
-        old_past: wp.array(dtype=vec4),
-        old_rolled: wp.array(dtype=vec4),
-        pairs: Pairs,
-        # out
-        candidates: Candidates,
-    ):
-        pair = wp.tid()
-        i = pairs.owner[pair]
-        low = int(0)
-        if i > 0:
-            low = old_ends[i - 1]
-        old = lower_bound(old_partner, low, old_ends[i], pairs.partner[pair])
-        k = int(0)
-        last = int(0)
-        if old < old_ends[i]:
-            if old_partner[old] == pairs.partner[pair]:
-                k = old_start[old]
-                last = old_start[old + 1]
-        for c in range(pairs.start[pair], pairs.start[pair + 1]):
-            code = candidates.code[c]
-            while k < last and old_code[wp.min(k, last - 1)] < code:
-                k += 1
-            past = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
-            rolled = vec4()
-            if k < last:
-                if old_code[k] == code:
-                    past = old_past[k]
-                    if wp.static(rolling):
-                        rolled = old_rolled[k]
-            candidates.past[c] = past
-            if wp.static(rolling):
-                candidates.rolled[c] = rolled
-        pairs.touching[pair] = 0
-        pairs.force[pair] = vec3()
-        pairs.torque[pair] = vec3()
-        pairs.torque_partner[pair] = vec3()
-
-    return carry_history

@@ -7,10 +7,9 @@ A step is: half kick and drift (``drift``), forces, half kick (``kick``). Tucker
 import functools
 
 import warp as wp
-
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.rotation import arc, exponential
-from warpdem.kernels.variant import plain, variant
+from warpdem.kernels.variant import inlined, plain, variant
 from warpdem.kernels.views import Account, Bodies, Clock, Geometry, Incidence, Inertia, Pairs
 
 
@@ -20,7 +19,7 @@ def world_inverse(rotation: mat33, inverse_moment: vec3, momentum: vec3) -> vec3
     return rotation * wp.cw_mul(wp.transpose(rotation) * momentum, inverse_moment)
 
 
-@wp.func
+@inlined()
 def place_arms(geometry: Geometry, bodies: Bodies, body: int):
     """Vertices of a body about its centre in world axes [m]."""
     shape = geometry.shape[body]
@@ -31,7 +30,7 @@ def place_arms(geometry: Geometry, bodies: Bodies, body: int):
         bodies.arm[start + k] = bodies.rotation[body] * geometry.vertex[first + k] * scale
 
 
-@wp.func
+@inlined()
 def watch(geometry: Geometry, bodies: Bodies, clock: Clock, body: int, dt: real, reach: real):
     """Note a body that left its skin, or that moved more than its own size in one step (or NaN)."""
     bound = geometry.bound[body]
@@ -131,7 +130,7 @@ def halt(
             clock.halted[0] = 1
 
 
-@wp.func
+@inlined()
 def gather(pairs: Pairs, incidence: Incidence, body: int):
     """Contact force and torque on a body, summed over its pairs in a fixed order."""
     force = vec3()

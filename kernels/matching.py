@@ -1,4 +1,4 @@
-"""What a contact remembers when its feature pair changes: history moves with the contact point.
+"""What a contact remembers when lists are renewed, or when its feature pair changes.
 
 A vertex that slides over the border of a face goes on along the border edge or over the next face;
 its friction must not start anew there.
@@ -7,15 +7,14 @@ its friction must not start anew there.
 import functools
 
 import warp as wp
-
+from warpdem.kernels.neighbours import lower_bound
 from warpdem.kernels.precision import real, vec3, vec4
-from warpdem.kernels.views import Bodies, Candidates, Geometry
+from warpdem.kernels.variant import inlined, variant
+from warpdem.kernels.views import Bodies, Candidates, Geometry, Pairs
 
 
-@wp.func
-def successor(
-    candidates: Candidates, start: int, touching: int, point: vec3, reach: real
-) -> int:
+@inlined()
+def successor(candidates: Candidates, start: int, touching: int, point: vec3, reach: real) -> int:
     """Touching candidate whose contact point lies nearest, one that is new before others; or -1."""
     best = int(-1)
     nearest = reach * reach
@@ -42,7 +41,7 @@ def hand_over(gap_of: wp.Function, *, rolling: bool) -> wp.Function:
     force pass cuts what its normal force cannot carry.
     """
 
-    @wp.func
+    @inlined()
     def hand_over(
         geometry: Geometry,
         bodies: Bodies,
@@ -77,3 +76,54 @@ def hand_over(gap_of: wp.Function, *, rolling: bool) -> wp.Function:
                     candidates.rolled[c] = vec4()
 
     return hand_over
+
+
+@functools.cache
+def carry_history(*, rolling: bool) -> wp.Kernel:
+    """Kernel that moves what contacts remember from the old lists into the new ones, by merging."""
+
+    @variant
+    def carry_history(
+        # in
+        old_ends: wp.array(dtype=wp.int32),
+        old_partner: wp.array(dtype=wp.int32),
+        old_start: wp.array(dtype=wp.int32),
+        old_code: wp.array(dtype=wp.int64),
+        old_past: wp.array(dtype=vec4),
+        old_rolled: wp.array(dtype=vec4),
+        pairs: Pairs,
+        # out
+        candidates: Candidates,
+    ):
+        pair = wp.tid()
+        i = pairs.owner[pair]
+        low = int(0)
+        if i > 0:
+            low = old_ends[i - 1]
+        old = lower_bound(old_partner, low, old_ends[i], pairs.partner[pair])
+        k = int(0)
+        last = int(0)
+        if old < old_ends[i]:
+            if old_partner[old] == pairs.partner[pair]:
+                k = old_start[old]
+                last = old_start[old + 1]
+        for c in range(pairs.start[pair], pairs.start[pair + 1]):
+            code = candidates.code[c]
+            while k < last and old_code[wp.min(k, last - 1)] < code:
+                k += 1
+            past = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+            rolled = vec4()
+            if k < last:
+                if old_code[k] == code:
+                    past = old_past[k]
+                    if wp.static(rolling):
+                        rolled = old_rolled[k]
+            candidates.past[c] = past
+            if wp.static(rolling):
+                candidates.rolled[c] = rolled
+        pairs.touching[pair] = 0
+        pairs.force[pair] = vec3()
+        pairs.torque[pair] = vec3()
+        pairs.torque_partner[pair] = vec3()
+
+    return carry_history

@@ -1,7 +1,6 @@
 """What is measured on the device: the stiffness that bounds the time step."""
 
 import warp as wp
-
 from warpdem.kernels.precision import mat66, real, vec3, vec6
 from warpdem.kernels.variant import plain
 from warpdem.kernels.views import Bodies, Candidates, Incidence, Inertia, Material, Pairs
@@ -9,7 +8,7 @@ from warpdem.kernels.views import Bodies, Candidates, Incidence, Inertia, Materi
 
 @wp.func
 def direction(e: vec3, arm: vec3, inverse_mass: real, inverse_moment: vec3) -> vec6:
-    """Row of the mass-scaled contact Jacobian along ``e`` at ``arm``, both in the principal frame."""
+    """Mass-scaled row of the contact Jacobian along ``e`` at ``arm``, in the principal frame."""
     turn = wp.cross(arm, e)
     s = wp.sqrt(inverse_mass)
     return vec6(

@@ -7,9 +7,18 @@ partner j to the owner i; the contact point is the middle of the overlap, c = x_
 import functools
 
 import warp as wp
-
-from warpdem.kernels.codes import EE, EV, FV, VE, VF, VV, feature_of_owner, feature_of_partner, kind_of
+from warpdem.kernels.codes import (
+    EE,
+    EV,
+    FV,
+    VE,
+    VF,
+    feature_of_owner,
+    feature_of_partner,
+    kind_of,
+)
 from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
 
 FAR = wp.constant(real(1.0e300))
@@ -87,7 +96,7 @@ def edge_edge(
     return between(p + u * s, q + v * t, radius_i, radius_j, margin, inside)
 
 
-@wp.func
+@inlined()
 def inside_convex(geometry: Geometry, face: int, x: vec3, height: real) -> bool:
     """Whether x (shape frame) lies over a convex face, or behind it nearer than its neighbours."""
     for side in range(geometry.side_start[face], geometry.side_start[face + 1]):
@@ -103,7 +112,7 @@ def inside_convex(geometry: Geometry, face: int, x: vec3, height: real) -> bool:
     return True
 
 
-@wp.func
+@inlined()
 def inside_polygon(geometry: Geometry, shape: int, face: int, x: vec3) -> bool:
     """Even-odd test of the projection of x on a face of any form, with holes; borders half open."""
     n = geometry.normal[face]
@@ -131,9 +140,9 @@ def inside_polygon(geometry: Geometry, shape: int, face: int, x: vec3) -> bool:
 
 @functools.cache
 def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
-    """Function of a vertex against a face; non-convex or two-sided faces cost only where they are."""
+    """Function of a vertex against a face; other than convex closed ones cost where they are."""
 
-    @wp.func
+    @inlined()
     def vertex_face(
         geometry: Geometry,
         rotation: mat33,
@@ -175,9 +184,9 @@ def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
     return vertex_face
 
 
-@wp.func
+@inlined()
 def in_cone(geometry: Geometry, bodies: Bodies, body: int, feature: int, direction: vec3) -> bool:
-    """Whether a vertex or edge may touch along ``direction`` (away from it): no ghost collisions."""
+    """Whether a vertex or edge may touch along ``direction``, away from it: no ghosts."""
     shape = geometry.shape[body]
     index = geometry.vertex_start[shape] + geometry.edge_start[shape] + feature
     x = wp.transpose(bodies.rotation[body]) * direction
@@ -192,7 +201,7 @@ def feature_pair(*, polyhedra: bool, convex: bool, two_sided: bool, cones: bool)
     """Function of any feature pair; without ``polyhedra`` only vertices (spheres) are compiled."""
     face = vertex_face(convex=convex, two_sided=two_sided)
 
-    @wp.func
+    @inlined()
     def polyhedral(
         geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
     ) -> Hit:
@@ -205,32 +214,48 @@ def feature_pair(*, polyhedra: bool, convex: bool, two_sided: bool, cones: bool)
         arm_j = geometry.arm_start[j]
         hit = Hit()
         if kind == VF:
-            hit = face(geometry, bodies.rotation[j], j, b, d + bodies.arm[arm_i + a], radius_i, margin)
+            p = d + bodies.arm[arm_i + a]
+            hit = face(geometry, bodies.rotation[j], j, b, p, radius_i, margin)
         elif kind == FV:
-            hit = face(geometry, bodies.rotation[i], i, a, bodies.arm[arm_j + b] - d, radius_j, margin)
+            p = bodies.arm[arm_j + b] - d
+            hit = face(geometry, bodies.rotation[i], i, a, p, radius_j, margin)
             hit.normal = -hit.normal
             hit.point = hit.point + d
         elif kind == VE:
             ends = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
             p = d + bodies.arm[arm_i + a]
             hit = vertex_edge(
-                p, bodies.arm[arm_j + ends[0]], bodies.arm[arm_j + ends[1]],
-                real(1.0), radius_i, radius_j, margin,
+                p,
+                bodies.arm[arm_j + ends[0]],
+                bodies.arm[arm_j + ends[1]],
+                real(1.0),
+                radius_i,
+                radius_j,
+                margin,
             )
         elif kind == EV:
             ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
             p = bodies.arm[arm_j + b]
             hit = vertex_edge(
-                p, d + bodies.arm[arm_i + ends[0]], d + bodies.arm[arm_i + ends[1]],
-                real(-1.0), radius_j, radius_i, margin,
+                p,
+                d + bodies.arm[arm_i + ends[0]],
+                d + bodies.arm[arm_i + ends[1]],
+                real(-1.0),
+                radius_j,
+                radius_i,
+                margin,
             )
         elif kind == EE:
             ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
             others = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
             hit = edge_edge(
-                d + bodies.arm[arm_i + ends[0]], d + bodies.arm[arm_i + ends[1]],
-                bodies.arm[arm_j + others[0]], bodies.arm[arm_j + others[1]],
-                radius_i, radius_j, margin,
+                d + bodies.arm[arm_i + ends[0]],
+                d + bodies.arm[arm_i + ends[1]],
+                bodies.arm[arm_j + others[0]],
+                bodies.arm[arm_j + others[1]],
+                radius_i,
+                radius_j,
+                margin,
             )
         else:
             hit = between(
@@ -251,7 +276,7 @@ def feature_pair(*, polyhedra: bool, convex: bool, two_sided: bool, cones: bool)
                     hit.admissible = in_cone(geometry, bodies, j, b, hit.normal)
         return hit
 
-    @wp.func
+    @inlined()
     def spherical(
         geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
     ) -> Hit:

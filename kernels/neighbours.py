@@ -6,14 +6,13 @@ Count, scan, fill: nothing is dropped, no atomics, every list sorted, so a run i
 import functools
 
 import warp as wp
-
 from warpdem.kernels.bounds import bodies_near
 from warpdem.kernels.precision import real, vec3
-from warpdem.kernels.variant import plain, variant
+from warpdem.kernels.variant import inlined, plain, variant
 from warpdem.kernels.views import Bodies, Geometry, Incidence, Inertia, Pairs
 
 
-@wp.func
+@inlined()
 def owns(geometry: Geometry, inertia: Inertia, i: int, j: int) -> bool:
     """Whether i owns the pair i j: the lower rank does; two bodies that cannot yield have none."""
     if inertia.inverse_mass[i] == real(0.0) and inertia.inverse_mass[j] == real(0.0):

@@ -6,7 +6,6 @@ taken implicitly.
 """
 
 import warp as wp
-
 from warpdem.kernels.precision import real, vec3
 
 

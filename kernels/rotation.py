@@ -1,7 +1,6 @@
-"""Rotations: quaternions (x, y, z, w in memory), free drift of a body at constant angular momentum."""
+"""Rotations: quaternions (x, y, z, w in memory) and the free drift of a body."""
 
 import warp as wp
-
 from warpdem.kernels.precision import quat, real, vec3
 
 

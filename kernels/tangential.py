@@ -6,7 +6,6 @@ spin. u is the sliding velocity of j over i at the half step [m/s].
 """
 
 import warp as wp
-
 from warpdem.kernels.precision import real, vec3
 
 

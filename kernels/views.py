@@ -1,7 +1,6 @@
-"""What kernels see of the model and the state; shapes and units stand in warpdem.model and .state."""
+"""What kernels see of the model and the state."""
 
 import warp as wp
-
 from warpdem.kernels.precision import mat33, quat, real, vec3, vec4
 
 
@@ -23,13 +22,14 @@ class Geometry:
     # of an edge: its two vertices, counted within the shape
     edge: wp.array(dtype=wp.vec2i)
     edge_active: wp.array(dtype=wp.int32)
+    edge_half: wp.array(dtype=real)  # half its length
     # of a face: unit normal and its offset n.v
     normal: wp.array(dtype=vec3)
     offset: wp.array(dtype=real)
     depth: wp.array(dtype=real)  # how far behind the face a vertex still belongs to it
     face_convex: wp.array(dtype=wp.int32)
     side_start: wp.array(dtype=wp.int32)
-    # of a side (directed border edge of a face): half-space m.x <= o inside, above and below the face
+    # of a side (directed border edge of a face): inside is m.x <= o, above and below the face
     side_above: wp.array(dtype=vec4)
     side_below: wp.array(dtype=vec4)
     side_open: wp.array(dtype=wp.int32)  # a point on the border belongs to the other face
@@ -144,7 +144,7 @@ class Clock:
 
 @wp.struct
 class Account:
-    """Energy bookkeeping: of a pair (elastic now; dashpot, friction, rolling since), of a driver."""
+    """Energies: of a pair (elastic now; dashpot, friction, rolling since), of a driver."""
 
     pair: wp.array(dtype=vec4)
     power: wp.array(dtype=real)

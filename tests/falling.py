@@ -1,6 +1,5 @@
 """Stand-ins for the simulation and its shapes: cubes in free fall, without Warp."""
 
-import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -35,6 +34,7 @@ def cube(name="cube", frame_rotation=(1.0, 0.0, 0.0, 0.0)):
         name=name,
         surface=surface,
         volume=1.0,
+        inertia_over_mass=np.full(3, 1.0 / 6.0),
         bound=0.75**0.5,
         frame_rotation=np.array(frame_rotation),
         notes=(),
@@ -55,7 +55,6 @@ def placement(position, *, scale=1.0, fixed=False):
         density=np.full(count, 2.0),
         fixed=np.broadcast_to(fixed, count),
         groups=("default",),
-        notes=('fill "none": 0 of 0 fit',),
     )
 
 
@@ -105,14 +104,16 @@ def snapshot(position, *, orientation=None, at=0.0, step=0, velocity=None, touch
 class Falling:
     """The interface of ``Simulation``; ``on_step`` is called after each step."""
 
-    on_step = staticmethod(lambda simulation: None)
-    pause = 0.0
+    @staticmethod
+    def on_step(simulation):
+        pass
 
     def __init__(self, scene, *, device=None, threads=None, progress=None):
         self.body_count = len(scene.body)
         self.dt = DT
         self.step_count = 0
-        self.polyhedra = [cube()]
+        self.polyhedra = {"cube": cube()}
+        self.notes = ['fill "none": 0 of 0 fit']
         self.placement = placement(
             [body.position for body in scene.body],
             scale=[body.scale for body in scene.body],
@@ -134,7 +135,6 @@ class Falling:
             self._position += self.dt * self._velocity
             self.step_count += 1
             self.on_step(self)
-            time.sleep(self.pause)
             if stop and stop():
                 return
 

@@ -6,17 +6,18 @@ import argparse
 import difflib
 import os
 import re
+import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from warpdem import __version__
 from warpdem.errors import WarpdemError
+from warpdem.interrupts import SIGNALLED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-INTERRUPTED = 130
 USAGE = """\
 python -m warpdem SCENE.toml [options]
        python -m warpdem check SCENE.toml [--set KEY=VALUE]...
@@ -48,9 +49,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except WarpdemError as fault:
         print(fault, file=sys.stderr)
         return fault.exit_code
-    except KeyboardInterrupt:
-        print("interrupted before the first step; nothing was written", file=sys.stderr)
-        return INTERRUPTED
+    except KeyboardInterrupt as stop:
+        print("stopped before the first step; nothing was written", file=sys.stderr)
+        return SIGNALLED + getattr(stop, "number", signal.SIGINT)
     except (
         BrokenPipeError
     ):  # the reader went away, as with `| head`: Python's last flush must not fail

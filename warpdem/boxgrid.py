@@ -25,13 +25,14 @@ class BoxGrid:
         self._origin = low.min(axis=0)
         span = high.max(axis=0) - self._origin
         size = float((high - low).max(axis=1).mean())
+        wide = span[span > 0.0]
         # no finer than needed for one box a cell on the average
-        size = max(size, float(np.prod(span[span > 0.0]) / len(low)) ** (1.0 / max(1, (span > 0.0).sum())))
-        self._cell = max(size, 1e-300)
+        share = float(wide.prod() / len(low)) ** (1.0 / max(1, len(wide)))
+        self._cell = max(size, share, 1e-300)
         while self._cell_counts(low, high).prod(axis=1).sum() > _MOST_CELLS * len(low) + 1000:
             self._cell *= 1.5
         self._shape = np.floor(span / self._cell).astype(np.int64) + 1
-        box, cell = _expanded(self._cell_of(low), self._cell_of(high))
+        box, cell = expanded(self._cell_of(low), self._cell_of(high))
         key = self._key(cell)
         order = np.argsort(key, kind="stable")
         self._keys, self._boxes = key[order], box[order]
@@ -58,7 +59,7 @@ class BoxGrid:
         """
         first = np.clip(self._cell_of(low), 0, self._shape)
         last = np.clip(self._cell_of(high), -1, self._shape - 1)
-        query, cell = _expanded(first, last)
+        query, cell = expanded(first, last)
         key = self._key(cell)
         begin = np.searchsorted(self._keys, key, side="left")
         count = np.searchsorted(self._keys, key, side="right") - begin
@@ -73,7 +74,7 @@ class BoxGrid:
         return query[meet], box[meet]
 
 
-def _expanded(first: IntArray, last: IntArray) -> tuple[IntArray, IntArray]:
+def expanded(first: IntArray, last: IntArray) -> tuple[IntArray, IntArray]:
     """All cells from ``first`` to ``last`` of each row: row numbers and cells."""
     size = np.maximum(last - first + 1, 0)
     count = size.prod(axis=1)

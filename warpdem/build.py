@@ -12,8 +12,8 @@ from warpdem.features import Features, has_tree, large_bodies
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Geometry, Inertia, Material
 from warpdem.model import Model, on
+from warpdem.restitution import zeta_bilateral, zeta_clamped
 from warpdem.state import State, allocate
-from warpdem.timestep import zeta_bilateral, zeta_clamped
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from warpdem.polyhedron import Polyhedron
     from warpdem.scene import Scene
 
-# of the median bounding radius of the free bodies: candidates grow with it, rebuilds with its inverse
-SKIN = 0.08
+# of the median bounding radius of the free bodies; candidates grow with it, rebuilds shrink
+SKIN = 0.12
 
 
 def build(
@@ -58,7 +58,7 @@ def build(
         trees=trees,
     )
     state = allocate(device, len(mass), arms, account=features.account)
-    _start(state, placement, mass, moment, device)
+    _start(state, placement, mass, moment)
     return model, state
 
 
@@ -107,9 +107,7 @@ def _masses(placement: Placement, shapes: list[Polyhedron]) -> tuple[FloatArray,
     return mass, np.where(placement.fixed[:, None], np.inf, moment)
 
 
-def _inertia(
-    placement: Placement, mass: FloatArray, moment: FloatArray, device: Any
-) -> Inertia:
+def _inertia(placement: Placement, mass: FloatArray, moment: FloatArray, device: Any) -> Inertia:
     inertia = Inertia()
     driven = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
     inertia.inverse_mass = on(device, 1.0 / mass, real)
@@ -137,9 +135,7 @@ def _materials(scene: Scene, placement: Placement, device: Any) -> wp.array:
     return wp.array(rows, dtype=Material, device=device)
 
 
-def _start(
-    state: State, placement: Placement, mass: FloatArray, moment: FloatArray, device: Any
-) -> None:
+def _start(state: State, placement: Placement, mass: FloatArray, moment: FloatArray) -> None:
     """Positions and momenta at time zero."""
     bodies = state.bodies
     q = placement.orientation
@@ -167,5 +163,3 @@ def rotate(q: FloatArray, v: FloatArray) -> FloatArray:
 def rotate_back(q: FloatArray, v: FloatArray) -> FloatArray:
     """Vectors turned by the inverses of unit quaternions."""
     return rotate(q * np.array([1.0, -1.0, -1.0, -1.0]), v)
-
-

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import warp as wp
 
-from warpdem.kernels import candidates, integrate, measures, neighbours
+from warpdem.kernels import candidates, integrate, matching, measures, neighbours
 from warpdem.stages import cycle, kick
 
 if TYPE_CHECKING:
@@ -25,9 +25,7 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
     kernels: dict[str, wp.Kernel] = {stage.name: stage.kernel for stage in stages}
     kernels["orient"] = integrate.orient
     if has.gravity_first:
-        kernels["first kick"] = kick(
-            model, state, lists, share, 0.0, contacts=False
-        ).kernel
+        kernels["first kick"] = kick(model, state, lists, share, 0.0, contacts=False).kernel
     if not has.contacts:
         return kernels
     for fill in (False, True):
@@ -36,7 +34,7 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
         kernels[f"{word} candidates"] = candidates.find_candidates(
             fill=fill, polyhedra=has.polyhedra, trees=has.trees
         )
-    kernels["history"] = candidates.carry_history(rolling=has.rolling)
+    kernels["history"] = matching.carry_history(rolling=has.rolling)
     kernels["incidence"] = neighbours.incidence_keys
     kernels["measures"] = measures.frequency_bound
     return kernels

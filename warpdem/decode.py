@@ -102,10 +102,10 @@ def _parse(text: str, file: str) -> dict[str, Any]:
         problem = Problem(file, "", "is nested too deeply")
     except ValueError as error:
         message = _TOO_LONG if "set_int_max_str_digits" in str(error) else str(error)
-        found = re.search(r" \(at line (\d+), column (\d+)\)$", message)
-        line = f":{found[1]}" if found else ""
+        found = re.search(r" \(at (?:line (\d+), column (\d+)|end of document)\)$", message)
         reason = message.removesuffix(found[0]) if found else message
-        column = f", column {found[2]}" if found else ""
+        line = f":{found[1] or text.count(chr(10)) + 1}" if found else ""
+        column = f", column {found[2]}" if found and found[2] else ""
         problem = Problem(f"{file}{line}", "", f"not TOML{column}: {reason}")
     raise SceneError(file, [problem])
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
+from warpdem.errors import CapacityError
 from warpdem.features import has_tree
 from warpdem.kernels.codes import FEATURE_LIMIT
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.views import Geometry
-from warpdem.errors import CapacityError
 from warpdem.model import on
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def _starts(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
 
 
 def _join(parts: list[Any], dtype: Any, width: int = 0) -> np.ndarray:
-    """One array of all parts, with one spare row when there is none (kernels take no empty ones)."""
+    """One array of all parts, of one spare row when there is none: kernels take no empty ones."""
     shape = (0, width) if width else (0,)
     rows = np.concatenate([np.asarray(p, dtype=dtype).reshape(-1, *shape[1:]) for p in parts])
     return rows if len(rows) else np.zeros((1, *shape[1:]), dtype=dtype)
@@ -68,12 +68,16 @@ def _features(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None
     half = [0.5 * (shape.core_max - shape.core_min) for shape in shapes]
     geometry.core_middle = on(device, np.array(middle), vec3)
     geometry.core_half = on(device, np.array(half), vec3)
-    geometry.two_sided = on(device, np.array([int(s.two_sided) for s in shapes], np.int32), wp.int32)
+    two_sided = np.array([s.two_sided for s in shapes], dtype=np.int32)
+    geometry.two_sided = on(device, two_sided, wp.int32)
     geometry.vertex = on(device, _join([s.vertices for s in shapes], np.float64, 3), vec3)
     active = _join([s.vertex_active for s in shapes], np.int32)
     geometry.vertex_active = on(device, active, wp.int32)
     geometry.edge = on(device, _join([s.edges for s in shapes], np.int32, 2), wp.vec2i)
     geometry.edge_active = on(device, _join([s.edge_active for s in shapes], np.int32), wp.int32)
+    ends = [s.vertices[s.edges].reshape(-1, 2, 3) for s in shapes]
+    half = [0.5 * np.linalg.norm(e[:, 1] - e[:, 0], axis=1) for e in ends]
+    geometry.edge_half = on(device, _join(half, np.float64), real)
     geometry.normal = on(device, _join([s.face_normals for s in shapes], np.float64, 3), vec3)
     geometry.offset = on(device, _join([s.face_offsets for s in shapes], np.float64), real)
     geometry.depth = on(device, _join([_depths(s) for s in shapes], np.float64), real)
@@ -173,14 +177,12 @@ def _cones(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
         starts.append(start[:-1] + total)
         planes.append(shape.cone_planes)
         total += int(start[-1])
-    geometry.cone_start = on(
-        device, np.concatenate([*starts, [total]]).astype(np.int32), wp.int32
-    )
+    geometry.cone_start = on(device, np.concatenate([*starts, [total]]).astype(np.int32), wp.int32)
     geometry.cone = on(device, _join(planes, np.float64, 3), vec3)
 
 
 def feature_tree(shape: Polyhedron, device: Any) -> wp.Bvh:
-    """Tree over the boxes of vertices, edges and faces, in this order, grown for single precision."""
+    """Tree over the boxes of vertices, edges and faces, grown for single precision."""
     low = [shape.vertices, shape.vertices[shape.edges].min(axis=1).reshape(-1, 3)]
     high = [shape.vertices, shape.vertices[shape.edges].max(axis=1).reshape(-1, 3)]
     corners = shape.vertices[shape.side_vertices[:, 0]]

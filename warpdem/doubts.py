@@ -96,6 +96,6 @@ def _soft(
             if share[worst] > SOFT:
                 name = placement.names[bodies[worst]]
                 yield (
-                    f'groups {list(pair)}: kn = {kn:g} N/m lets "{name}" sink in by '
-                    f"{100 * share[worst]:.2g} % of its radius {cause}"
+                    f'contacts of "{pair[0]}" and "{pair[1]}": kn = {kn:g} N/m lets "{name}" sink '
+                    f"in by {share[worst]:.2g} times its radius {cause}"
                 )

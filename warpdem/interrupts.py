@@ -11,6 +11,21 @@ if TYPE_CHECKING:
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
+SIGNALLED = 128
+"""Exit status of a program ended by a signal, less the signal's number."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """A signal came while there was nothing yet worth finishing.
+
+    Attributes:
+        number: The signal.
+    """
+
+    def __init__(self, number: int = signal.SIGINT) -> None:
+        self.number = number
+        super().__init__(f"stopped by signal {number}")
+
 
 class Interrupts:
     """Takes note of the first signal within a ``with`` statement; those after it do nothing more.
@@ -19,10 +34,13 @@ class Interrupts:
 
     Attributes:
         received: The signal, or None.
+        patient: Whether a signal waits for whoever looks at ``received``; else it raises
+            ``Interrupted`` where the program stands.
     """
 
     def __init__(self) -> None:
         self.received: int | None = None
+        self.patient = False
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
@@ -42,3 +60,5 @@ class Interrupts:
     def _note(self, number: int, _frame: object) -> None:
         if self.received is None:
             self.received = number
+            if not self.patient:
+                raise Interrupted(number)

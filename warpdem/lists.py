@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
-from warpdem.kernels.candidates import carry_history, find_candidates
+from warpdem.kernels.candidates import find_candidates
+from warpdem.kernels.matching import carry_history
 from warpdem.kernels.neighbours import find_partners, incidence_keys, incidence_starts
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.views import Candidates, Incidence, Pairs
@@ -151,8 +152,14 @@ class Lists:
                 find_partners(fill=fill, large=large),
                 dim=model.body_count,
                 inputs=[
-                    model.geometry, model.inertia, self._grid.id, self._grid_bound,
-                    tree.id if tree is not None else 0, self._tree_body, model.skin, bodies,
+                    model.geometry,
+                    model.inertia,
+                    self._grid.id,
+                    self._grid_bound,
+                    tree.id if tree is not None else 0,
+                    self._tree_body,
+                    model.skin,
+                    bodies,
                 ],
                 outputs=[self._ends, owner, partner],
                 device=model.device,

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import warp as wp
 
-from warpdem.arrays import BoolArray, FloatArray, IntArray
-from warpdem.features import Features
-from warpdem.kernels.views import Geometry, Inertia
+if TYPE_CHECKING:
+    from warpdem.arrays import BoolArray, FloatArray, IntArray
+    from warpdem.features import Features
+    from warpdem.kernels.views import Geometry, Inertia
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,8 @@ def principal_axes(inertia: FloatArray) -> tuple[FloatArray, FloatArray]:
     if off_diagonal <= 1e-12 * np.trace(inertia):
         return np.diag(inertia).copy(), np.eye(3)
     moments, axes = np.linalg.eigh(inertia)
-    order = max(permutations(range(3)), key=lambda p: np.abs(np.diag(axes[:, p])).sum())
+    # of equally near ones (axes turned by 45 degrees) the first, with rising moments
+    order = max(permutations(range(3)), key=lambda p: np.abs(np.diag(axes[:, p])).sum().round(6))
     moments, axes = moments[list(order)], axes[:, order]
     axes = axes * np.where(np.diag(axes) < 0.0, -1.0, 1.0)
     if np.linalg.det(axes) < 0.0:

@@ -59,7 +59,7 @@ def overlaps_at_start(placement: Placement, polyhedra: Mapping[str, Polyhedron])
     exact = ball[pairs].all(axis=1)
     deep = np.flatnonzero(exact & (found.depths > DEEP * bound[pairs].min(axis=1)))
     deep = deep[np.argsort(-found.depths[deep], kind="stable")]
-    warnings = [_named(placement, pairs[k], found.depths[k]) for k in deep[:NAMED]]
+    warnings = [_named(placement, pairs[k], float(found.depths[k])) for k in deep[:NAMED]]
     if len(deep) > NAMED:
         others = f"{len(deep) - NAMED} more pairs of balls"
         warnings.append(f"{others} overlap by over {100 * DEEP:g} % of a radius")
@@ -82,8 +82,11 @@ def overlaps(centres: FloatArray, radii: FloatArray, fixed: BoolArray) -> Overla
         fixed: Shape [body_count].
     """
     found: list[IntArray] = [np.zeros((0, 2), dtype=np.int32)]
-    if len(radii) > 1 and (width := 2.0 * float(radii.max())) > 0.0:
-        cells = np.floor((centres - centres.min(axis=0)) / width).astype(np.int64)
+    if len(radii) > 1:
+        places = centres - centres.min(axis=0)
+        # No more than a million cells along an axis, so that their numbers fit into 64 bits.
+        width = max(2.0 * float(radii.max()), 1e-6 * float(places.max()))
+        cells = np.floor(places / width).astype(np.int64)
         shape = cells.max(axis=0) + 3
         keys = ((cells[:, 0] + 1) * shape[1] + cells[:, 1] + 1) * shape[2] + cells[:, 2] + 1
         order = np.argsort(keys, kind="stable")

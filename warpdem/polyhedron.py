@@ -17,6 +17,7 @@ from warpdem.inertia import solid_properties
 from warpdem.moments import MassProperties
 from warpdem.orientation import from_matrix, principal_axes
 from warpdem.polygon import triangulated
+from warpdem.quadrature import overlapping_properties
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -213,7 +214,7 @@ def _mass(
         return None
     if convex or radius == 0.0:
         return solid_properties(core, radius)
-    return None
+    return overlapping_properties(core, radius)
 
 
 def in_frame(

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from warpdem.errors import WarpdemError
+from warpdem.interrupts import Interrupts
 from warpdem.output import checkpoint as checkpoints
 from warpdem.output.folder import claimed
 from warpdem.progress import Progress
@@ -50,9 +51,10 @@ def run(
         WarpdemError: The folder, the scene or the device does not allow it.
         UnstableError: The motion blew up; what was written before stays.
         OutputError: Results cannot be written; the last checkpoint is good.
+        Interrupted: A signal came before the first step; nothing was written.
     """
     progress = Progress(quiet=quiet)
-    with claimed(Path(directory), resume=resume, force=force) as folder:
+    with Interrupts() as signals, claimed(Path(directory), resume=resume, force=force) as folder:
         start = _resumable(scene, folder) if resume else None
         if start and frames(scene, start).done:
             progress.tell(_nothing_left(folder, start))
@@ -61,7 +63,7 @@ def run(
         if not start:
             folder.clear()
         folder.clear_parts()
-        return Session(scene, simulation, folder, progress, start).run()
+        return Session(scene, simulation, folder, progress, signals, start).run()
 
 
 def _resumable(scene: Scene, folder: RunFolder) -> Checkpoint:
@@ -92,14 +94,7 @@ def _simulation(
     """The scene ready to run, from its checkpoint on if there is one."""
     from warpdem.simulation import Simulation  # noqa: PLC0415 - loads Warp
 
-    if start:
-        scene = _with_dt(scene, start.dt)
     simulation = Simulation(scene, device=device, threads=threads, progress=progress.work)
     if start:
         simulation.restore(start.state)
     return simulation
-
-
-def _with_dt(scene: Scene, dt: float) -> Scene:
-    """The scene with the step it began with: "auto" depends on output.every, which may change."""
-    return scene.model_copy(update={"run": scene.run.model_copy(update={"dt": dt})})

@@ -65,7 +65,7 @@ class PowerSize(_CutSize):
     """Factors whose number density goes as a power of the factor: p(h) ~ h^exponent."""
 
     kind: Literal["power"]
-    exponent: float
+    exponent: Annotated[float, Field(ge=-1e3, le=1e3)]
     """The power; negative where small bodies abound."""
 
 

@@ -47,13 +47,36 @@ def _divided(value: tuple[float, ...], length: float) -> str:
     return "[" + ", ".join(f"{part / length:.12g}" for part in value) + "]"
 
 
-Positive = Annotated[float, Field(gt=0)]
-NotNegative = Annotated[float, Field(ge=0)]
+def bounded(value: float) -> float:
+    """The number, if its fifth power can be computed: inertia goes with that of lengths.
+
+    Raises:
+        ValueError: It is beyond 1e30.
+    """
+    if abs(value) > 1e30:
+        raise ValueError("too large to compute with: beyond 1e30")
+    return value
+
+
+def moderate(value: float) -> float:
+    """The number, if its fifth power and the inverse of that can be computed.
+
+    Raises:
+        ValueError: It is beyond 1e30 or below 1e-30.
+    """
+    if value < 1e-30:
+        raise ValueError("too small to compute with: below 1e-30")
+    return bounded(value)
+
+
+Number = Annotated[float, AfterValidator(bounded)]
+Positive = Annotated[float, Field(gt=0), AfterValidator(moderate)]
+NotNegative = Annotated[float, Field(ge=0), AfterValidator(bounded)]
 Name = Annotated[str, Field(min_length=1)]
-Vector = Annotated[tuple[float, ...], Field(min_length=3, max_length=3, strict=False)]
+Vector = Annotated[tuple[Number, ...], Field(min_length=3, max_length=3, strict=False)]
 PositiveVector = Annotated[tuple[Positive, ...], Field(min_length=3, max_length=3, strict=False)]
 Quaternion = Annotated[
-    tuple[float, ...],
+    tuple[Number, ...],
     Field(min_length=4, max_length=4, strict=False),
     AfterValidator(unit_quaternion),
 ]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from warpdem import __version__
 from warpdem.errors import OutputError, UnstableError
-from warpdem.interrupts import Interrupts
+from warpdem.interrupts import SIGNALLED
 from warpdem.output import checkpoint as checkpoints
 from warpdem.output import summary
 from warpdem.output.checkpoint import Checkpoint
@@ -19,12 +19,10 @@ from warpdem.progress import Progress, duration
 from warpdem.schedule import Schedule
 
 if TYPE_CHECKING:
+    from warpdem.interrupts import Interrupts
     from warpdem.output.folder import RunFolder
     from warpdem.scene import Scene
     from warpdem.simulation import Simulation
-
-SIGNALLED = 128
-"""Exit status of a run ended by a signal, less the signal's number."""
 
 
 @dataclass
@@ -36,6 +34,7 @@ class Session:
         simulation: The bodies in motion, at ``start`` or at time 0.
         folder: Where results go.
         progress: Where it tells of itself.
+        interrupts: The signals that end it.
         start: The checkpoint it resumes from.
     """
 
@@ -43,16 +42,16 @@ class Session:
     simulation: Simulation
     folder: RunFolder
     progress: Progress
+    interrupts: Interrupts
     start: Checkpoint | None = None
-    interrupts: Interrupts = field(default_factory=Interrupts)
 
     def __post_init__(self) -> None:
         self._frames = frames(self.scene, self.start)
         own_interval = self.scene.output.checkpoint_every
         last = self.start.checkpoint_due if self.start else -1.0
         self._saves = Schedule(own_interval, self._frames.end, last) if own_interval else None
-        self._frame_time = self.start.frame_time if self.start else -1.0
         self._frame_count = self.start.frame_count if self.start else 0
+        self._told = 0
         self._flat_scene = checkpoints.flat_scene(self.scene)
         self._began = time.monotonic()
         self._first_time, self._first_step = self.simulation.time, self.simulation.step_count
@@ -67,21 +66,20 @@ class Session:
             UnstableError: The motion blew up.
             OutputError: Results cannot be written.
         """
-        for note in self._notes():
-            self.progress.tell(note)
-        with self.interrupts:
-            try:
-                self._simulate()
-            except UnstableError as fault:
-                self._summarise("unstable", error=str(fault))
-                raise
-            except OutputError as fault:
-                with contextlib.suppress(OutputError):
-                    self._summarise("failed", error=str(fault))
-                raise OutputError(self._after_failure(fault)) from fault
-            finally:
-                self.progress.clear()
-            return self._conclude()
+        self.interrupts.patient = True
+        self._tell_notes()
+        try:
+            self._simulate()
+        except UnstableError as fault:
+            self._summarise("unstable", error=str(fault))
+            raise
+        except OutputError as fault:
+            with contextlib.suppress(OutputError):
+                self._summarise("failed", error=str(fault))
+            raise OutputError(self._after_failure(fault)) from fault
+        finally:
+            self.progress.clear()
+        return self._conclude()
 
     def _simulate(self) -> None:
         writer = Writer()
@@ -108,9 +106,11 @@ class Session:
         frame = self._frames.due(now)
         save = self._saves.due(now) if self._saves else frame
         simulation.advance(min(frame, save), stop=self._stop)
+        self._tell_notes()
         if not self.interrupts.received:
             if frame <= save:
-                self._record(recorder)
+                recorder.record(simulation.snapshot(contacts=self.scene.output.contacts))
+                self._frame_count += 1
                 self._frames.last = frame
             if self._saves and save <= frame:
                 self._saves.last = save
@@ -118,20 +118,12 @@ class Session:
                 return
         recorder.checkpoint(self._checkpoint())
 
-    def _record(self, recorder: Recorder) -> None:
-        if self.simulation.time > self._frame_time:  # frames may be asked for more often than steps
-            recorder.record(self.simulation.snapshot(contacts=self.scene.output.contacts))
-            self._frame_time = self.simulation.time
-            self._frame_count += 1
-
     def _checkpoint(self) -> Checkpoint:
         return Checkpoint(
             scene=self._flat_scene,
-            dt=self.simulation.dt,
             time=self.simulation.time,
             step=self.simulation.step_count,
             frame_due=self._frames.last,
-            frame_time=self._frame_time,
             frame_count=self._frame_count,
             checkpoint_due=self._saves.last if self._saves else self._frames.last,
             frame_times={},
@@ -169,10 +161,16 @@ class Session:
         return SIGNALLED + received if received else 0
 
     def _notes(self) -> list[str]:
-        shapes = [
-            f"{shape.name}: {note}" for shape in self.simulation.polyhedra for note in shape.notes
-        ]
-        return [*shapes, *self.simulation.placement.notes]
+        """Repairs of the shapes, how the fills went, and what became of the time step."""
+        shapes = self.simulation.polyhedra.values()
+        repairs = [f'shape "{shape.name}": {note}' for shape in shapes for note in shape.notes]
+        return [*repairs, *self.simulation.notes]
+
+    def _tell_notes(self) -> None:
+        notes = self._notes()
+        for note in notes[self._told :]:
+            self.progress.tell(note)
+        self._told = len(notes)
 
     def _after_failure(self, fault: OutputError) -> str:
         if not self.folder.checkpoint.exists():

@@ -292,7 +292,11 @@ class Simulation:
             frequency_bound,
             dim=self.body_count,
             inputs=[
-                model.inertia, model.materials, state.bodies, lists.pairs, lists.candidates,
+                model.inertia,
+                model.materials,
+                state.bodies,
+                lists.pairs,
+                lists.candidates,
                 lists.incidence,
             ],
             outputs=[self._square],

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from warpdem.kernels import integrate, meeting, rotation
-from warpdem.kernels.forces import Laws, pair_forces
+from warpdem.kernels.forces import pair_forces
+from warpdem.kernels.laws import Laws
 from warpdem.kernels.precision import vec3
 
 if TYPE_CHECKING:

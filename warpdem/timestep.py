@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.decode import problem_at
-from warpdem.errors import SceneError
+from warpdem.errors import Problem, SceneError
 from warpdem.restitution import zeta_bilateral, zeta_clamped
 from warpdem.scene_references import meeting_groups
 
@@ -123,8 +123,10 @@ def automatic_step(
     fall for the whole run; then it is reduced to divide the time between frames.
 
     Raises:
-        SceneError: The given step is unstable for a single contact.
+        SceneError: The given step is unstable for a single contact, or bodies have masses beyond
+            the range of numbers.
     """
+    _refuse_impossible_masses(scene, placement, polyhedra)
     stiff = [kn / mass for kn, mass in _pairs(scene, placement, polyhedra)]
     shortest = contact_time(max(stiff), 1.0) if stiff else inf
     bound = _bound(scene, placement, polyhedra)
@@ -183,13 +185,30 @@ def masses(
     """
     shapes = list(polyhedra.values())
     volume = np.array([shape.volume for shape in shapes])[placement.shape]
-    over_mass = np.array([shape.inertia_over_mass for shape in shapes])[placement.shape]
+    over_mass = np.array([shape.inertia_over_mass for shape in shapes]).reshape(-1, 3)
     free = ~placement.fixed
     mass = np.full(len(free), inf)
     mass[free] = (volume * placement.scale**3 * placement.density)[free]
     moments = np.full((len(free), 3), inf)
-    moments[free] = (over_mass * placement.scale[:, None] ** 2)[free] * mass[free, None]
+    moments[free] = (over_mass[placement.shape] * placement.scale[:, None] ** 2)[free] * mass[
+        free, None
+    ]
     return mass, moments
+
+
+def _refuse_impossible_masses(
+    scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
+) -> None:
+    inertia = np.column_stack(masses(placement, polyhedra))[~placement.fixed]
+    # Products of two of these and their inverses must stay within the range of numbers.
+    wrong = ~np.all((inertia > 1e-150) & (inertia < 1e150), axis=1)
+    if wrong.any():
+        file = str(scene.source or "scene")
+        body = np.flatnonzero(~placement.fixed)[wrong][0]
+        name, mass = placement.names[body], inertia[wrong][0]
+        rule = f'"{name}" has the mass {mass[0]:g} kg and the moments {mass[1:]} kg m^2'
+        way = "look at the unit of its size and density"
+        raise SceneError(file, [Problem(file, "", f"{rule}: {way}")])
 
 
 def _laws(scene: Scene, placement: Placement) -> dict[tuple[str, str], Contact]:
@@ -263,7 +282,8 @@ def _motion_limit(placement: Placement, polyhedra: Mapping[str, Polyhedron], fal
     They have their initial spins and their initial velocities, or ``fall`` more [m/s].
     """
     shapes = list(polyhedra.values())
-    ball = np.array([np.ptp(s.inertia_over_mass) <= 1e-9 * s.inertia_over_mass[0] for s in shapes])
+    spherical = [np.ptp(s.inertia_over_mass) <= 1e-9 * s.inertia_over_mass[0] for s in shapes]
+    ball = np.array(spherical, dtype=bool)
     bound = np.array([shape.bound for shape in shapes])[placement.shape] * placement.scale
     free = ~placement.fixed
     turning = np.linalg.norm(placement.spin, axis=1)[free & ~ball[placement.shape]]

@@ -34,11 +34,9 @@ class Checkpoint:
 
     Attributes:
         scene: The scene in flat form, as :func:`flat_scene` returns it.
-        dt: Time step [s].
         time: Simulated time [s].
         step: Steps done.
         frame_due: When the last frame was due [s]; negative before the first.
-        frame_time: Simulated time of the last frame [s].
         frame_count: Instants recorded.
         checkpoint_due: When the last checkpoint was due [s].
         frame_times: Times of the frames written [s], by series.
@@ -47,11 +45,9 @@ class Checkpoint:
     """
 
     scene: dict[str, Any]
-    dt: float
     time: float
     step: int
     frame_due: float
-    frame_time: float
     frame_count: int
     checkpoint_due: float
     frame_times: dict[str, list[float]]

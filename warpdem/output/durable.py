@@ -37,8 +37,10 @@ def replace(path: Path, write: Callable[[Path], object]) -> None:
         write(part)
         sync(part)
         part.replace(path)
-    except BaseException:
+    except BaseException as fault:
         part.unlink(missing_ok=True)
+        if isinstance(fault, OSError):  # a failed write does not know its file
+            raise OSError(fault.errno, fault.strerror, str(path)) from fault
         raise
     sync(path.parent)
 

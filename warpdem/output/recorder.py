@@ -22,7 +22,7 @@ from warpdem.output.table import (
 from warpdem.output.writer import told
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping
 
     from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
 
@@ -58,7 +58,7 @@ class Recorder:
         self,
         folder: RunFolder,
         output: Output,
-        polyhedra: Sequence[Polyhedron],
+        polyhedra: Mapping[str, Polyhedron],
         placement: Placement,
         writer: Writer,
         start: Checkpoint | None = None,
@@ -146,9 +146,9 @@ class Recorder:
         checkpoints.save(self._folder.checkpoint, whole)
 
 
-def _trajectory(polyhedra: Sequence[Polyhedron], placement: Placement) -> Trajectory:
+def _trajectory(polyhedra: Mapping[str, Polyhedron], placement: Placement) -> Trajectory:
     """Rows for the bodies that move, freely or driven."""
     driven = np.any(placement.velocity, axis=1) | np.any(placement.spin, axis=1)
     bodies = np.flatnonzero(~placement.fixed | driven)
-    rotations = np.array([polyhedron.frame_rotation for polyhedron in polyhedra])
+    rotations = np.array([polyhedron.frame_rotation for polyhedron in polyhedra.values()])
     return Trajectory(bodies, rotations[placement.shape[bodies]])

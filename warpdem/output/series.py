@@ -60,6 +60,6 @@ class Series:
         del self.times[count:]
         for path in self.folder.glob(f"{self.stem}_*.vtu"):
             number = path.stem.removeprefix(f"{self.stem}_")
-            if number.isdecimal() and int(number) >= count:
+            if number.isdecimal() and path == self.frame(int(number)) and int(number) >= count:
                 path.unlink()
         self.write_index()

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpdem.orientation import matrix
+from warpdem.timestep import masses
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
     from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
@@ -32,11 +33,12 @@ class Surfaces:
         body: The body each polygon belongs to, shape [polygon_count].
     """
 
-    def __init__(self, polyhedra: Sequence[Polyhedron], placement: Placement) -> None:
+    def __init__(self, polyhedra: Mapping[str, Polyhedron], placement: Placement) -> None:
         self._placement = placement
         used = np.unique(placement.shape)
         self._members = [np.flatnonzero(placement.shape == shape) for shape in used]
-        shapes = [polyhedra[shape] for shape in used]
+        every_shape = list(polyhedra.values())
+        shapes = [every_shape[shape] for shape in used]
         self._corners = [shape.surface.points for shape in shapes]
         self._single = _fits_single(shapes, self._members, placement)
         self._connect(shapes)
@@ -44,7 +46,7 @@ class Surfaces:
             "body": np.arange(len(placement.shape), dtype=np.int32),
             "group": placement.group.astype(np.int32),
             "cluster": placement.cluster.astype(np.int32),
-            "mass": masses(polyhedra, placement),
+            "mass": _finite(masses(placement, polyhedra)[0]),
         }
 
     def _connect(self, shapes: Sequence[Polyhedron]) -> None:
@@ -90,11 +92,9 @@ class Surfaces:
         return vtu.polygons(self.points(snapshot), self._connectivity, self._offsets, cell_data)
 
 
-def masses(polyhedra: Sequence[Polyhedron], placement: Placement) -> FloatArray:
-    """Masses of the bodies [kg], shape [body_count]; 0 for the fixed ones."""
-    volume = np.array([polyhedron.volume for polyhedron in polyhedra])[placement.shape]
-    mass = placement.density * volume * placement.scale**3
-    return np.where(placement.fixed, 0.0, mass)
+def _finite(mass: FloatArray) -> FloatArray:
+    """Masses with 0 for the fixed bodies: an infinite one would spoil every colour scale."""
+    return np.where(np.isfinite(mass), mass, 0.0)
 
 
 def _fits_single(

@@ -1,0 +1,55 @@
+"""Motion at a contact point, and the lengths its laws need."""
+
+import functools
+
+import warp as wp
+from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.variant import inlined
+from warpdem.kernels.views import Bodies, Inertia
+
+
+@wp.struct
+class Kinematics:
+    """Motion at one contact; approach and sliding are of the owner against the partner."""
+
+    approach: real  # at the half step [m/s]
+    approach_end: real  # predicted for the end of the step [m/s]
+    sliding: vec3  # at the half step [m/s]
+    turn: real  # angle of the frame about its normal over the step [rad]
+    spin: vec3  # of the partner relative to the owner [rad/s]
+
+
+@functools.cache
+def kinematics(*, predicted: bool) -> wp.Function:
+    """Function of the motion at a contact point."""
+
+    @inlined()
+    def kinematics(
+        bodies: Bodies, i: int, j: int, d: vec3, normal: vec3, point: vec3, dt: real
+    ) -> Kinematics:
+        arm = point - d
+        motion = Kinematics()
+        relative = bodies.velocity[j] + wp.cross(bodies.spin[j], point)
+        relative -= bodies.velocity[i] + wp.cross(bodies.spin[i], arm)
+        motion.approach = wp.dot(relative, normal)
+        motion.sliding = relative - normal * motion.approach
+        motion.spin = bodies.spin[j] - bodies.spin[i]
+        motion.turn = real(0.5) * dt * wp.dot(bodies.spin[i] + bodies.spin[j], normal)
+        motion.approach_end = motion.approach
+        if wp.static(predicted):
+            end = bodies.velocity_end[j] + wp.cross(bodies.spin_end[j], point)
+            end -= bodies.velocity_end[i] + wp.cross(bodies.spin_end[i], arm)
+            motion.approach_end = wp.dot(end, normal)
+        return motion
+
+    return kinematics
+
+
+@inlined()
+def branch(inertia: Inertia, i: int, j: int, d: vec3, point: vec3) -> real:
+    """Branch length: from centre to centre, or from the only free body to the contact [m]."""
+    if inertia.inverse_mass[i] == real(0.0):
+        return wp.length(point)
+    if inertia.inverse_mass[j] == real(0.0):
+        return wp.length(point - d)
+    return wp.length(d)

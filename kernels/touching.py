@@ -1,0 +1,109 @@
+"""Pass 1 of the pair kernel: what touches, and how stiff the pair is as a whole."""
+
+import functools
+
+import warp as wp
+from warpdem.kernels.integrate import world_inverse
+from warpdem.kernels.laws import Laws
+from warpdem.kernels.matching import hand_over
+from warpdem.kernels.narrow import feature_pair
+from warpdem.kernels.normal import pair_frequency
+from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.variant import inlined
+from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia
+
+
+@functools.cache
+def find_touching(laws: Laws) -> wp.Function:
+    """Function of pass 1: packs the touching candidates of a pair, settles those that ended."""
+    gap_of = feature_pair(
+        polyhedra=laws.polyhedra,
+        convex=laws.convex,
+        two_sided=laws.two_sided,
+        cones=laws.cones,
+    )
+    hand = hand_over(gap_of, rolling=laws.rolling)
+
+    @inlined()
+    def find_touching(
+        geometry: Geometry,
+        bodies: Bodies,
+        candidates: Candidates,
+        i: int,
+        j: int,
+        d: vec3,
+        start: int,
+        end: int,
+        margin: real,
+    ):
+        touching = int(0)
+        ended = int(0)
+        freed = real(0.0)
+        unrolled = real(0.0)
+        for c in range(start, end):
+            hit = gap_of(geometry, bodies, i, j, d, margin, candidates.code[c])
+            past = candidates.past[c]
+            if hit.gap < real(0.0) and hit.admissible:
+                slot = start + touching
+                candidates.which[slot] = c
+                candidates.normal[slot] = hit.normal
+                candidates.point[slot] = hit.point
+                candidates.gap[slot] = hit.gap
+                touching += 1
+            elif past[3] >= real(0.0):
+                if wp.static(laws.keep):
+                    if not hit.admissible or hit.gap >= margin:
+                        candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+                        if wp.static(laws.rolling):
+                            candidates.rolled[c] = vec4()
+                elif hit.gap < real(0.0):
+                    candidates.past[c] = vec4(past[0], past[1], past[2], real(-2.0) - past[3])
+                    ended += 1
+                else:
+                    if wp.static(laws.account):
+                        freed += past[0] * past[0] + past[1] * past[1] + past[2] * past[2]
+                    candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+                    if wp.static(laws.rolling):
+                        rolled = candidates.rolled[c]
+                        unrolled += wp.dot(rolled, rolled)
+                        candidates.rolled[c] = vec4()
+        if ended > 0:
+            hand(geometry, bodies, candidates, i, j, d, start, end, touching)
+        return touching, freed, unrolled
+
+    return find_touching
+
+
+@functools.cache
+def frequency() -> wp.Function:
+    """Function of the square of a pair's own frequency over its stiffness."""
+
+    @inlined()
+    def frequency(
+        inertia: Inertia,
+        bodies: Bodies,
+        candidates: Candidates,
+        i: int,
+        j: int,
+        d: vec3,
+        start: int,
+        touching: int,
+    ) -> real:
+        force = vec3()
+        torque_i = vec3()
+        torque_j = vec3()
+        squares = real(0.0)
+        for slot in range(start, start + touching):
+            overlap = -candidates.gap[slot]
+            f = candidates.normal[slot] * overlap
+            point = candidates.point[slot]
+            force += f
+            torque_i += wp.cross(point - d, f)
+            torque_j += wp.cross(point, f)
+            squares += overlap * overlap
+        spin_i = world_inverse(bodies.rotation[i], inertia.inverse_moment[i], torque_i)
+        spin_j = world_inverse(bodies.rotation[j], inertia.inverse_moment[j], torque_j)
+        inverse_mass = inertia.inverse_mass[i] + inertia.inverse_mass[j]
+        return pair_frequency(force, torque_i, torque_j, spin_i, spin_j, squares, inverse_mass)
+
+    return frequency

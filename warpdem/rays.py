@@ -1,0 +1,212 @@
+"""Triangular cells of the rays that sweep the rounding of a core: where they begin and point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from warpdem.arrays import FloatArray, IntArray
+    from warpdem.core import Core
+
+# corners' weights and weight of the rule of degree 5 with 7 points, Radon (1948),
+# doi:10.1007/BF01525334; then the corners, of no weight, to see where the integrand begins
+_NEAR = [(6.0 - np.sqrt(15.0)) / 21.0, (6.0 + np.sqrt(15.0)) / 21.0]
+_POINTS = np.array(
+    [[1.0 / 3.0] * 3]
+    + [[1.0 - 2.0 * x if k == corner else x for k in range(3)] for x in _NEAR for corner in range(3)]
+    + np.eye(3).tolist()
+)
+_WEIGHTS = np.repeat([270.0, 155.0 - np.sqrt(15.0), 155.0 + np.sqrt(15.0), 0.0], [1, 3, 3, 3])
+_WEIGHTS /= 1200.0
+SAMPLES = len(_WEIGHTS)
+# the corners of a triangle's four parts, of its corners 0 1 2 and the middles 3 4 5 of 01 12 20
+_PARTS = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Triangles of parameters, each of the same kind.
+
+    A cell of a face (order 0) lies on it, all rays along frame[0]. One of an edge (order 1) holds
+    s, phi, 0: rays begin at frame[0] + s frame[1] along cos(phi) frame[2] + sin(phi) frame[3].
+    One of a vertex (order 2) is seen from it as its rays are; they begin at frame[0].
+
+    Attributes:
+        order: Power of the distance in a ray's volume element.
+        corners: Shape [cell_count, 3, 3].
+        frame: Shape [cell_count, 4, 3].
+        start: First triangle of each cell, shape [cell_count + 1].
+        triangles: Those that may cut its rays short, shape [triangle_count].
+    """
+
+    order: int
+    corners: FloatArray
+    frame: FloatArray
+    start: IntArray
+    triangles: IntArray
+
+    @property
+    def count(self) -> int:
+        """Number of cells."""
+        return len(self.corners)
+
+    @cached_property
+    def owner(self) -> IntArray:
+        """Cell of each of the triangles."""
+        return np.repeat(np.arange(self.count), np.diff(self.start))
+
+    def rays(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Origins and directions at parameters, shapes [cell_count, n, 3]."""
+        frame = self.frame[:, :, None]
+        origin = np.broadcast_to(frame[:, 0], points.shape)
+        if self.order == 0:
+            return points, origin
+        if self.order == 1:
+            turn = points[..., 1, None]
+            direction = np.cos(turn) * frame[:, 2] + np.sin(turn) * frame[:, 3]
+            return origin + points[..., :1] * frame[:, 1], direction
+        return origin, points / np.linalg.norm(points, axis=-1, keepdims=True)
+
+    @cached_property
+    def corner_rays(self) -> tuple[FloatArray, FloatArray]:
+        """Origins and directions at the corners, shapes [cell_count, 3, 3]."""
+        return self.rays(self.corners)
+
+    @cached_property
+    def measure(self) -> FloatArray:
+        """Area of the triangles of parameters, shape [cell_count]."""
+        a, b, c = (self.corners[:, k] for k in range(3))
+        return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+    @cached_property
+    def samples(self) -> tuple[FloatArray, FloatArray]:
+        """Parameters and weights of a quadrature, shapes [cell_count, n, 3] and [cell_count, n]."""
+        points = np.einsum("qk,nki->nqi", _POINTS, self.corners)
+        weights = self.measure[:, None] * _WEIGHTS
+        if self.order == 2:  # solid angle of a flat triangle's element
+            a, b, c = (self.corners[:, k] for k in range(3))
+            height = np.abs(np.einsum("ij,ij->i", a, np.cross(b - a, c - a)))
+            height /= 2.0 * self.measure
+            weights = weights * height[:, None] / np.linalg.norm(points, axis=-1) ** 3
+        return points, weights
+
+    def ends(self, radius: float) -> tuple[FloatArray, FloatArray]:
+        """Balls that hold the centres x + R n of the rays' balls: centres and radii.
+
+        Directions between the corners' bulge beyond their hull by no more than R (1 - cos a), a
+        the widest angle between two of them.
+        """
+        base, direction = self.corner_rays
+        end = base + radius * direction
+        centre = end.mean(axis=1)
+        spread = np.linalg.norm(end - centre[:, None], axis=-1).max(axis=1)
+        cosine = np.einsum("nki,nki->nk", direction, np.roll(direction, 1, axis=1)).min(axis=1)
+        return centre, spread + radius * (1.0 - cosine)
+
+    def is_coarse(self, radius: float) -> FloatArray:
+        """Cells so wide that samples might miss a feature, shape [cell_count]."""
+        base, direction = self.corner_rays
+        length = np.linalg.norm(base - np.roll(base, 1, axis=1), axis=-1).max(axis=1)
+        turn = np.linalg.norm(direction - np.roll(direction, 1, axis=1), axis=-1).max(axis=1)
+        return np.maximum(length / radius, turn) > 0.6
+
+    def divided(self) -> Cells:
+        """Four cells for each, one after the other, with its triangles."""
+        middles = 0.5 * (self.corners + np.roll(self.corners, -1, axis=1))
+        points = np.concatenate([self.corners, middles], axis=1)
+        length = np.diff(self.start)
+        slot = np.arange(4 * len(self.triangles))
+        begin = np.repeat(np.repeat(self.start[:-1], 4), np.repeat(length, 4))
+        start = np.concatenate([[0], np.cumsum(np.repeat(length, 4))])
+        inside = slot - np.repeat(start[:-1], np.repeat(length, 4))
+        return Cells(
+            self.order,
+            points[:, _PARTS].reshape(-1, 3, 3),
+            np.repeat(self.frame, 4, axis=0),
+            start,
+            self.triangles[begin + inside],
+        )
+
+    def rows(self, chosen: IntArray) -> Cells:
+        """Only the cells ``chosen``, rising numbers."""
+        length = np.diff(self.start)
+        kept = np.zeros(self.count, bool)
+        kept[chosen] = True
+        return Cells(
+            self.order,
+            self.corners[chosen],
+            self.frame[chosen],
+            np.concatenate([[0], np.cumsum(length[chosen])]),
+            self.triangles[kept[self.owner]],
+        )
+
+    def with_triangles(self, cell: IntArray, triangle: IntArray) -> Cells:
+        """The cells with the triangles given by pairs sorted by cell."""
+        count = np.bincount(cell, minlength=self.count)
+        start = np.concatenate([[0], np.cumsum(count)])
+        return Cells(self.order, self.corners, self.frame, start, triangle)
+
+
+def _fresh(order: int, corners: FloatArray, frame: FloatArray) -> Cells:
+    none = np.zeros(0, np.int64)
+    return Cells(order, corners, frame, np.zeros(len(corners) + 1, np.int64), none)
+
+
+def face_cells(core: Core, triangles: IntArray, face: IntArray) -> Cells:
+    """Cells of the faces, on both sides of an open core.
+
+    Args:
+        core: The core.
+        triangles: Its faces cut up, shape [triangle_count, 3].
+        face: The face of each, shape [triangle_count].
+    """
+    corners = core.vertices[triangles]
+    normal = np.repeat(core.normals[face][:, None], 4, axis=1)
+    if not core.closed:
+        corners, normal = np.concatenate([corners] * 2), np.concatenate([normal, -normal])
+    return _fresh(0, corners, normal)
+
+
+def edge_cells(core: Core) -> Cells:
+    """Cells of the edges, none wider than an eighth of a turn."""
+    arcs = core.edge_arcs
+    along = core.vertices[arcs.ends[:, 1]] - core.vertices[arcs.ends[:, 0]]
+    length = np.linalg.norm(along, axis=1)
+    along = along / length[:, None]
+    frame = np.stack(
+        [core.vertices[arcs.ends[:, 0]], along, arcs.middle, np.cross(along, arcs.middle)], axis=1
+    )
+    count = np.maximum(1, np.ceil(2.0 * arcs.half / (0.25 * np.pi) - 1e-9)).astype(np.int64)
+    edge = np.repeat(np.arange(len(count)), count)
+    step = 2.0 * arcs.half[edge] / count[edge]
+    low = -arcs.half[edge] + step * (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count))
+    zero, far = np.zeros(len(edge)), length[edge]
+    corner = [
+        np.column_stack([s, phi, zero])
+        for s, phi in ((zero, low), (far, low), (far, low + step), (zero, low + step))
+    ]
+    halves = [np.stack([corner[0], corner[k], corner[k + 1]], axis=1) for k in (1, 2)]
+    return _fresh(1, np.concatenate(halves), np.concatenate([frame[edge]] * 2))
+
+
+def cap_cells(core: Core) -> Cells:
+    """Cells of the vertices."""
+    corners: list[FloatArray] = []
+    vertex: list[int] = []
+    for number, cap in core.caps:
+        middle = -cap.angles @ cap.outward
+        middle /= np.linalg.norm(middle)
+        after = np.roll(cap.corners, -1, axis=0)
+        corners += [np.array([middle, a, b]) for a, b in zip(cap.corners, after, strict=True)]
+        vertex += [number] * len(after)
+    signs = np.array([[x, y, z] for x in (1, -1) for y in (1, -1) for z in (1, -1)], float)
+    octants = signs[:, :, None] * np.eye(3)
+    for number in core.points.tolist():
+        corners += list(octants)
+        vertex += [number] * len(octants)
+    frame = np.repeat(core.vertices[np.array(vertex, np.int64)][:, None], 4, axis=1)
+    return _fresh(2, np.array(corners).reshape(-1, 3, 3), frame)
