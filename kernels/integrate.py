@@ -31,8 +31,11 @@ def place_arms(geometry: Geometry, bodies: Bodies, body: int):
 
 
 @inlined()
-def watch(geometry: Geometry, bodies: Bodies, clock: Clock, body: int, dt: real, reach: real):
-    """Note a body that left its skin, or that moved more than its own size in one step (or NaN)."""
+def watch(geometry: Geometry, bodies: Bodies, clock: Clock, body: int, dt: real):
+    """Note a body that left its skin, or that moved more than its own size in one step (or NaN).
+
+    ``dt`` 0 looks for NaN alone.
+    """
     bound = geometry.bound[body]
     speed = wp.length(bodies.velocity[body])
     turn = wp.length(bodies.spin[body])
@@ -40,7 +43,7 @@ def watch(geometry: Geometry, bodies: Bodies, clock: Clock, body: int, dt: real,
         clock.fault[0] = 1
     moved = wp.length(bodies.position[body] - bodies.listed_position[body])
     turned = arc(bodies.orientation[body], bodies.listed_orientation[body])
-    if not (moved + bound * turned <= reach):
+    if not (moved + bound * turned <= clock.reach[0]):
         clock.moved[0] = 1
 
 
@@ -58,7 +61,7 @@ def orient(
 
 
 @functools.cache
-def drift(rotate: wp.Function, *, predicted: bool, driven: bool) -> wp.Kernel:
+def drift(rotate: wp.Function, *, predicted: bool, driven: bool, contacts: bool) -> wp.Kernel:
     """Kernel of the first half kick and the drift; ``rotate`` is a drift of kernels.rotation."""
 
     @variant
@@ -68,7 +71,6 @@ def drift(rotate: wp.Function, *, predicted: bool, driven: bool) -> wp.Kernel:
         inertia: Inertia,
         # in
         dt: real,
-        reach: real,
         span: wp.array(dtype=wp.int32),
         # in and out
         bodies: Bodies,
@@ -87,7 +89,7 @@ def drift(rotate: wp.Function, *, predicted: bool, driven: bool) -> wp.Kernel:
                     bodies.orientation[body] = exponential(bodies.orientation[body], spin, dt)
                     bodies.rotation[body] = wp.quat_to_matrix(bodies.orientation[body])
                     place_arms(geometry, bodies, body)
-                    watch(geometry, bodies, clock, body, real(0.0), reach)
+                    watch(geometry, bodies, clock, body, real(0.0))
             return
         force = bodies.force[body]
         torque = bodies.torque[body]
@@ -113,7 +115,10 @@ def drift(rotate: wp.Function, *, predicted: bool, driven: bool) -> wp.Kernel:
             bodies.velocity_end[body] = velocity + force * (half * inertia.inverse_mass[body])
             bodies.spin_end[body] = world_inverse(rotation, inverse, spun + torque * half)
         place_arms(geometry, bodies, body)
-        watch(geometry, bodies, clock, body, dt, reach)
+        watched = dt
+        if wp.static(not contacts):
+            watched = real(0.0)
+        watch(geometry, bodies, clock, body, watched)
 
     return drift
 

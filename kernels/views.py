@@ -133,10 +133,11 @@ class Material:
 class Clock:
     """What the host reads between batches of steps, one number each.
 
-    Host threads share ``moved`` and ``fault``, and each has its own ``halted`` and ``steps``.
+    Host threads share ``reach``, ``moved`` and ``fault``, and each has its own ``halted`` and ``steps``.
     """
 
-    moved: wp.array(dtype=wp.int32)  # some body left its skin
+    reach: wp.array(dtype=real)  # half of the skin: how far a body may go from where it was listed
+    moved: wp.array(dtype=wp.int32)  # some body went farther
     fault: wp.array(dtype=wp.int32)  # some body moved more than its own size in one step
     halted: wp.array(dtype=wp.int32)  # steps are skipped until the host has looked
     steps: wp.array(dtype=wp.int32)

@@ -1,8 +1,11 @@
-"""Small scenes of blocks and balls for the tests of whole runs; they share compiled kernels."""
+"""Small scenes of blocks and balls for the tests of whole runs.
+
+They ask for the same features, so that they share compiled kernels: NO_FRICTION keeps its law.
+"""
 
 import numpy as np
 
-from warpdem.orientation import product, turned
+from warpdem.orientation import turned
 from warpdem.scene import Scene
 from warpdem.simulation import Simulation
 from warpdem.timestep import masses
@@ -13,7 +16,10 @@ LAW = {
     "kt": 7e4,
     "en2": 0.25,
     "mu": 0.4,
+    "kr": 20.0,
+    "mur": 0.01,
 }
+NO_FRICTION = {"mu": 1e-30, "mur": 1e-30}
 SHAPES = [
     {"kind": "box", "name": "cube", "size": [1.0, 1.0, 1.0], "rounding": 0.05},
     {"kind": "box", "name": "brick", "size": [1.2, 0.8, 0.5], "rounding": 0.05},
@@ -79,6 +85,35 @@ def swarm(seed=0, count=6):
             }
         )
     return bodies
+
+
+def strips(count=12, length=13.0, width=4.0):
+    """A plate with its top at z = 0 cut into strips of two triangles each, which stay apart."""
+    x = np.linspace(-1.0, length - 1.0, count + 1) + 0.03 * np.sin(np.arange(count + 1))
+    near = [[a, -0.5 * width, -0.05] for a in x]
+    far = [[a, 0.5 * width, -0.05] for a in x]
+    low = [[x[0], -0.5 * width], [x[-1], -0.5 * width], [x[-1], 0.5 * width], [x[0], 0.5 * width]]
+    n = count + 1
+    a, b, c, d = range(2 * n, 2 * n + 4)
+    top = [[k, k + 1, n + k + 1] for k in range(count)]
+    top += [[k, n + k + 1, n + k] for k in range(count)]
+    sides = [
+        [d, c, b, a],
+        [a, b, *range(count, -1, -1)],
+        [c, d, *range(n, 2 * n)],
+        [d, a, 0, n],
+        [b, c, 2 * n - 1, n - 1],
+    ]
+    faces = [*top, *sides]
+    borders = {tuple(sorted((f[k - 1], f[k]))) for f in faces for k in range(len(f))}
+    return {
+        "kind": "polyhedron",
+        "name": "strips",
+        "vertices": [*near, *far, *([*corner, -2.0] for corner in low)],
+        "faces": faces,
+        "edges": sorted(borders),
+        "rounding": 0.05,
+    }
 
 
 def unit(quaternion):

@@ -129,7 +129,7 @@ class Falling:
         return self.step_count * self.dt
 
     def advance(self, until, *, stop=None):
-        while self.time < until - 0.5 * self.dt:
+        while (until - self.time) / self.dt > 0.5:
             free = ~self.placement.fixed
             self._velocity[free, 2] -= 9.81 * self.dt
             self._position += self.dt * self._velocity

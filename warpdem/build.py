@@ -14,6 +14,7 @@ from warpdem.kernels.views import Geometry, Inertia, Material
 from warpdem.model import Model, on
 from warpdem.restitution import zeta_bilateral, zeta_clamped
 from warpdem.state import State, allocate
+from warpdem.timestep import masses
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from warpdem.polyhedron import Polyhedron
     from warpdem.scene import Scene
 
-# of the median bounding radius of the free bodies; candidates grow with it, rebuilds shrink
+# of the median bounding radius of the free bodies, to begin with
 SKIN = 0.12
 
 
@@ -40,7 +41,7 @@ def build(
     bound = np.array([shapes[k].bound for k in placement.shape]) * placement.scale
     large = large_bodies(placement, shapes)
     arms = _body_arrays(geometry, placement, shapes, bound, large, device)
-    mass, moment = _masses(placement, shapes)
+    mass, moment = masses(placement, polyhedra)
     model = Model(
         device=device,
         features=features,
@@ -54,6 +55,7 @@ def build(
         bound=bound,
         large=large,
         skin=_skin(scene, bound[~placement.fixed]),
+        skin_adapts=scene.run.skin == "auto" and scene.run.list_distance is None,
         keep_within=scene.run.list_distance or 0.0,
         trees=trees,
     )
@@ -94,17 +96,6 @@ def _body_arrays(
     geometry.rank = on(device, rank, wp.int32)
     geometry.large = on(device, large.astype(np.int32), wp.int32)
     return int(starts[-1])
-
-
-def _masses(placement: Placement, shapes: list[Polyhedron]) -> tuple[FloatArray, FloatArray]:
-    """Masses and principal moments; infinite where a body is fixed."""
-    volume = np.array([shape.volume for shape in shapes])[placement.shape]
-    over_mass = np.array([shape.inertia_over_mass for shape in shapes])[placement.shape]
-    mass = volume * placement.scale**3 * placement.density
-    mass = np.where(placement.fixed, np.inf, mass)
-    with np.errstate(invalid="ignore"):
-        moment = over_mass * placement.scale[:, None] ** 2 * mass[:, None]
-    return mass, np.where(placement.fixed[:, None], np.inf, moment)
 
 
 def _inertia(placement: Placement, mass: FloatArray, moment: FloatArray, device: Any) -> Inertia:

@@ -143,7 +143,13 @@ def side_planes(shape: Polyhedron) -> tuple[FloatArray, FloatArray, IntArray]:
     below = above.copy()
     bent = has & ~flat
     offset = shape.face_offsets[other] - shape.face_offsets[face]
-    below[bent] = np.column_stack([apart, offset])[bent] / size[bent, None]
+    halfway = np.column_stack([apart, offset])
+    # a face lies on its own side of the plane halfway to its neighbour: at a convex border where
+    # it is the higher of the two, at a concave one where it is the lower
+    middle = np.add.reduceat(a, shape.side_start[:-1]) / np.diff(shape.side_start)[:, None]
+    wrong = np.einsum("ij,ij->i", halfway[:, :3], middle[face]) > halfway[:, 3]
+    halfway[wrong] *= -1.0
+    below[bent] = halfway[bent] / size[bent, None]
     _share(above, flat, face, other, shape)
     below[flat] = above[flat]
     return above, below, (flat & (face > other)).astype(np.int32)

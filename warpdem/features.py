@@ -68,7 +68,7 @@ def features_of(
         contacts=contacts,
         polyhedra=any(len(shape.vertices) > 1 for shape in used),
         convex=all(bool(np.all(shape.face_convex)) for shape in used),
-        two_sided=any(shape.two_sided for shape in used),
+        two_sided=any(shape.two_sided and len(shape.face_offsets) > 0 for shape in used),
         cones=any(len(shape.cone_planes) > 0 for shape in used),
         trees=any(has_tree(shape) for shape in used),
         large=bool(large_bodies(placement, shapes).any()),

@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 
 # head room of a list that has to grow
 GROWTH = 1.3
+# the skin grows where lists last fewer steps than the first number, unless there are more
+# candidates a body than the second one; it shrinks where they last longer than the third
+FEW_STEPS, MANY_CANDIDATES, MANY_STEPS = 25, 40, 100
+# by this factor, and never beyond these parts of the first skin
+SKIN_STEP, SKIN_LEAST, SKIN_MOST = 1.25, 0.3, 8.0
 
 
 class Lists:
@@ -30,7 +35,9 @@ class Lists:
         pair_count, candidate_count: Their lengths now.
         pair_room: Pairs for which there is room.
         rebuilds: How often they were made.
+        born: Step at which they were made.
         generation: Changes whenever an array was replaced by a larger one.
+        skin: Distance within which feature pairs are listed now [m].
         spent: Energy lost in dashpots, friction, rolling by pairs of earlier lists [J].
     """
 
@@ -45,6 +52,8 @@ class Lists:
         self.candidate_count = 0
         self.rebuilds = 0
         self.generation = 0
+        self.skin = model.skin
+        self.born = 0
         self.spent = np.zeros(3)
         self.pair_room = 0
         self._candidate_room = 0
@@ -58,19 +67,40 @@ class Lists:
         self._grow_pairs(1)
         self._grow_candidates(1)
 
-    def rebuild(self) -> None:
-        """Make all lists anew at the present positions; contacts keep what they remember."""
+    def rebuild(self, *, adapt: bool = True) -> None:
+        """Make all lists anew at the present positions; contacts keep what they remember.
+
+        Without ``adapt`` the skin stays as it is.
+        """
         state = self._state
         wp.copy(state.bodies.listed_position, state.bodies.position)
         wp.copy(state.bodies.listed_orientation, state.bodies.orientation)
         self.settle()
         old = self._keep_old()
+        if adapt:
+            self._adapt_skin()
         self._find_pairs()
         self._find_candidates()
         self._carry(old)
+        state.clock.reach.fill_(0.5 * self.skin)
         state.clock.moved.zero_()
         state.clock.halted.zero_()
         self.rebuilds += 1
+
+    def _adapt_skin(self) -> None:
+        """A wider skin where bodies are fast and few, a narrower one where they are slow and many."""
+        step = int(self._state.clock.steps.numpy()[0])
+        lasted, self.born = step - self.born, step
+        if not self._model.skin_adapts or self.rebuilds == 0:
+            return
+        crowded = self.candidate_count > MANY_CANDIDATES * self._model.body_count
+        factor = 1.0
+        if lasted > (FEW_STEPS if crowded else MANY_STEPS):
+            factor = 1.0 / SKIN_STEP
+        elif lasted < FEW_STEPS and not crowded:
+            factor = SKIN_STEP
+        least, most = SKIN_LEAST * self._model.skin, SKIN_MOST * self._model.skin
+        self.skin = min(max(self.skin * factor, least), most)
 
     def settle(self) -> None:
         """Add what the pairs have dissipated to ``spent``, and start them at zero."""
@@ -142,7 +172,7 @@ class Lists:
 
     def _find_pairs(self) -> None:
         model, bodies = self._model, self._state.bodies
-        cell = max(2.0 * self._grid_bound + model.skin, 1e-30)
+        cell = max(2.0 * self._grid_bound + self.skin, 1e-30)
         self._grid.build(bodies.position, cell)
         tree = self._large_tree()
         large = tree is not None
@@ -158,7 +188,7 @@ class Lists:
                     self._grid_bound,
                     tree.id if tree is not None else 0,
                     self._tree_body,
-                    model.skin,
+                    self.skin,
                     bodies,
                 ],
                 outputs=[self._ends, owner, partner],
@@ -234,7 +264,7 @@ class Lists:
             wp.launch(
                 find_candidates(fill=fill, polyhedra=has.polyhedra, trees=has.trees),
                 dim=count,
-                inputs=[model.geometry, model.skin, self._state.bodies, self.pairs],
+                inputs=[model.geometry, self.skin, self._state.bodies, self.pairs],
                 outputs=[self.candidates.code, ends],
                 device=model.device,
             )
@@ -255,11 +285,3 @@ class Lists:
                 outputs=[self.candidates],
                 device=self._model.device,
             )
-
-    def relist(self) -> None:
-        """Renew the reference positions of a scene without contacts."""
-        state = self._state
-        wp.copy(state.bodies.listed_position, state.bodies.position)
-        wp.copy(state.bodies.listed_orientation, state.bodies.orientation)
-        state.clock.moved.zero_()
-        state.clock.halted.zero_()

@@ -29,7 +29,8 @@ class Model:
         mass, moment: On the host; infinite for fixed bodies, shapes [body_count], [body_count, 3].
         bound: Bounding radii [m], shape [body_count].
         large: Bodies found through the tree of large bodies, shape [body_count].
-        skin: Distance within which feature pairs are listed [m].
+        skin: Distance within which feature pairs are listed, at first [m].
+        skin_adapts: The scene leaves it to the run.
         keep_within: Gap up to which an open contact keeps its history (compat) [m].
         trees: The feature trees, kept alive here.
     """
@@ -46,6 +47,7 @@ class Model:
     bound: FloatArray
     large: BoolArray
     skin: float
+    skin_adapts: bool
     keep_within: float
     trees: tuple[wp.Bvh, ...]
 

@@ -65,7 +65,7 @@ def _overlap(core: Core, radius: float, swept: Moments) -> tuple[Moments, FloatA
     share = _TOLERANCE * rough.volume / _SHARES
     limit = share * np.array([1.0] + [np.sqrt(least)] * 3 + [least] * 6)
     total, error = np.zeros(10), np.zeros(10)
-    for cells in (face_cells(core, *ground.faces), edge_cells(core), cap_cells(core)):
+    for cells in (face_cells(core, *ground.faces, radius), edge_cells(core), cap_cells(core)):
         values, errors = _integrated(ground, cells, limit)
         total += values
         error += errors
@@ -129,12 +129,17 @@ class _Ground:
         """
         centre, spread = cells.ends(self.radius)
         base, direction = cells.corner_rays
+        middle = base.mean(axis=1)
+        width = np.linalg.norm(base - middle[:, None], axis=2).max(axis=1)
         kept = np.zeros(len(cell), bool)
         for k in range(0, len(cell), _CHUNK):
             own, other = cell[k : k + _CHUNK], self._triangles[triangle[k : k + _CHUNK]]
             near = distances(centre[own], other) < self.radius + spread[own]
             offset = other[:, None] - base[own][:, :, None]
             rise = np.einsum("nijk,nik->nij", offset, direction[own]).max(axis=(1, 2))
+            # a ball through x and y has the radius |y - x|^2 / 2 n . (y - x)
+            least = np.maximum(distances(middle[own], other) - width[own], 0.0)
+            near &= least**2 < 2.0 * self.radius * rise
             kept[k : k + _CHUNK] = near & (rise > _ABOVE)
         return cells.with_triangles(cell[kept], triangle[kept])
 
@@ -162,13 +167,16 @@ class _Ground:
         other = self._triangles[cells.triangles][:, None]
         lengths = reach(base[cells.owner], direction[cells.owner], other)
         length = np.minimum.reduceat(lengths, cells.start[:-1], axis=0)
+        # cells may end just where rays begin to be cut short
+        cut, whole = length < (1.0 - 1e-9) * self.radius, length > (1.0 + 1e-9) * self.radius
+        kinked = cut.any(axis=1) & whole.any(axis=1)
         length = np.minimum(length, self.radius)
         powers = [
             (self.radius**power - length**power) / power
             for power in range(cells.order + 1, cells.order + 4)
         ]
         doubt = _KINK * weights.sum(axis=1) * powers[0].max(axis=1)
-        doubt[(length < self.radius).all(axis=1)] = 0.0
+        doubt[~kinked] = 0.0
         place = np.linalg.norm(base, axis=2).max(axis=1) + self.radius
         scale = np.column_stack([np.ones_like(place), *[place] * 3, *[place**2] * 6])
         values = _moments(base, direction, [weights * power for power in powers])

@@ -156,19 +156,66 @@ def _fresh(order: int, corners: FloatArray, frame: FloatArray) -> Cells:
     return Cells(order, corners, frame, np.zeros(len(corners) + 1, np.int64), none)
 
 
-def face_cells(core: Core, triangles: IntArray, face: IntArray) -> Cells:
+def face_cells(core: Core, triangles: IntArray, face: IntArray, radius: float) -> Cells:
     """Cells of the faces, on both sides of an open core.
+
+    They are cut where the rays are as near to a neighbour across a concave edge as they are long.
 
     Args:
         core: The core.
         triangles: Its faces cut up, shape [triangle_count, 3].
         face: The face of each, shape [triangle_count].
+        radius: Length of the rays.
     """
-    corners = core.vertices[triangles]
-    normal = np.repeat(core.normals[face][:, None], 4, axis=1)
-    if not core.closed:
-        corners, normal = np.concatenate([corners] * 2), np.concatenate([normal, -normal])
-    return _fresh(0, corners, normal)
+    parts = [
+        _cut_at_folds(core, core.vertices[triangles], face, side * core.normals, side * radius)
+        for side in ((1.0,) if core.closed else (1.0, -1.0))
+    ]
+    corners, normals = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    return _fresh(0, corners, np.repeat(normals[:, None], 4, axis=1))
+
+
+def _cut_at_folds(
+    core: Core, corners: FloatArray, face: IntArray, normals: FloatArray, radius: float
+) -> tuple[FloatArray, FloatArray]:
+    """Triangles on faces cut along the lines where a neighbour's plane is at |radius| from rays.
+
+    With N the neighbour's normal and a on its plane: N . (x - a) = R (1 - n . N). A negative
+    radius stands for the lower side of an open core.
+    """
+    folds = np.flatnonzero((core.twin >= 0) & (core.side_angles * radius < 0.0))
+    own, other = core.facets.owner[folds], core.facets.owner[core.twin[folds]]
+    shift = abs(radius) * (1.0 - np.einsum("ij,ij->i", normals[own], normals[other]))
+    base = core.vertices[core.facets.sides[folds, 0]]
+    offset = np.einsum("ij,ij->i", base, normals[other]) + shift
+    rank = np.arange(len(own)) - np.searchsorted(own, own)
+    for turn in range(int(rank.max(initial=-1)) + 1):
+        fold = np.full(core.facets.count, -1)
+        fold[own[rank == turn]] = np.flatnonzero(rank == turn)
+        line = fold[face]
+        height = np.einsum("nki,ni->nk", corners, normals[other[line]]) - offset[line, None]
+        height[line < 0] = 1.0
+        corners, face = _cut(corners, face, height)
+    return corners, normals[face]
+
+
+def _cut(
+    corners: FloatArray, face: IntArray, height: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """Triangles cut where a linear function, given at their corners, changes sign."""
+    above = height > 0.0
+    crossed = above.any(axis=1) & ~above.all(axis=1)
+    lone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (~above).argmax(axis=1))
+    turn = (lone[:, None] + np.arange(3))[crossed] % 3
+    a, b, c = np.take_along_axis(corners[crossed], turn[:, :, None], axis=1).transpose(1, 0, 2)
+    u, v, w = np.take_along_axis(height[crossed], turn, axis=1).T
+    ab = a + (u / (u - v))[:, None] * (b - a)
+    ac = a + (u / (u - w))[:, None] * (c - a)
+    pieces = [np.stack(piece, axis=1) for piece in ((a, ab, ac), (ab, b, c), (ab, c, ac))]
+    return (
+        np.concatenate([corners[~crossed], *pieces]),
+        np.concatenate([face[~crossed], *[face[crossed]] * 3]),
+    )
 
 
 def edge_cells(core: Core) -> Cells:

@@ -35,6 +35,8 @@ def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray
     saved["work"] = state.account.work.numpy().copy()
     saved["power"] = state.account.power.numpy().copy()
     saved["spent"] = lists.spent.copy()
+    saved["skin"] = np.array([lists.skin])
+    saved["born"] = np.array([lists.born])
     n = lists.pair_count
     pairs, candidates = lists.pairs, lists.candidates
     saved["pair_owner"] = pairs.owner.numpy()[:n].copy()
@@ -62,7 +64,9 @@ def put_back(
     bodies.position.assign(saved["listed_position"])
     bodies.orientation.assign(saved["listed_orientation"])
     orient()
-    lists.rebuild()
+    lists.skin = float(saved["skin"][0])
+    lists.rebuild(adapt=False)
+    lists.born = int(saved["born"][0])
     bodies.position.assign(saved["position"])
     bodies.orientation.assign(saved["orientation"])
     orient()

@@ -100,23 +100,26 @@ class Session:
             recorder.close()
 
     def _advance(self, recorder: Recorder) -> None:
-        """Go on to what is due next and write it; an interruption writes a checkpoint instead."""
+        """Go on to what is due next and write it; an interruption writes a checkpoint too."""
         simulation = self.simulation
         now = simulation.time - 0.75 * simulation.dt  # what is due comes within half a step
         frame = self._frames.due(now)
         save = self._saves.due(now) if self._saves else frame
         simulation.advance(min(frame, save), stop=self._stop)
         self._tell_notes()
-        if not self.interrupts.received:
-            if frame <= save:
-                recorder.record(simulation.snapshot(contacts=self.scene.output.contacts))
-                self._frame_count += 1
-                self._frames.last = frame
-            if self._saves and save <= frame:
-                self._saves.last = save
-            if save > frame:
-                return
-        recorder.checkpoint(self._checkpoint())
+        if self._has_come(frame):
+            recorder.record(simulation.snapshot(contacts=self.scene.output.contacts))
+            self._frame_count += 1
+            self._frames.last = frame
+        is_due = self._has_come(save)
+        if self._saves and is_due:
+            self._saves.last = save
+        if is_due or self.interrupts.received:
+            recorder.checkpoint(self._checkpoint())
+
+    def _has_come(self, due: float) -> bool:
+        """Whether the simulation is at the step nearest to a time [s], or beyond."""
+        return (due - self.simulation.time) / self.simulation.dt <= 0.5
 
     def _checkpoint(self) -> Checkpoint:
         return Checkpoint(

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from warpdem.arrays import FloatArray, IntArray
-    from warpdem.scene import Scene
     from warpdem.scene_shapes import Shape
 
 Declared = tuple[float, tuple[float, ...]]
@@ -62,15 +61,6 @@ def polyhedron_of(shape: Shape, directory: Path) -> Polyhedron:
             return terrain(
                 read_raster(directory / shape.file), name=shape.name, radius=shape.rounding
             )
-
-
-def polyhedra_of(scene: Scene) -> dict[str, Polyhedron]:
-    """The polyhedra of all shapes of a scene, by name, in its order.
-
-    Raises:
-        GeometryError: A shape cannot be simulated, or its file cannot be read.
-    """
-    return {shape.name: polyhedron_of(shape, scene.directory) for shape in scene.shape}
 
 
 def _declared(shape: BoxShape | PolyhedronShape | MeshShape | ShpShape) -> Declared | None:

@@ -11,6 +11,7 @@ import warp as wp
 
 from warpdem import observe, resume
 from warpdem.build import build
+from warpdem.check import build_shapes
 from warpdem.compile import load
 from warpdem.errors import UnstableError, WarpdemError
 from warpdem.features import features_of, stage_names
@@ -19,7 +20,6 @@ from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.precision import real
 from warpdem.lists import Lists
 from warpdem.placement import place
-from warpdem.shapes import polyhedra_of
 from warpdem.stages import Stage, after_drift, drift, forces, halt, kick
 from warpdem.state import cut
 from warpdem.stepper import Stepper, launch
@@ -63,7 +63,7 @@ class Simulation:
         progress: Callable[[str], None] | None = None,
     ) -> None:
         self.scene = scene
-        self.polyhedra = polyhedra_of(scene)
+        self.polyhedra = build_shapes(scene)
         self.placement = place(scene, self.polyhedra)
         self.features = features_of(scene, self.placement, self.polyhedra)
         self.notes = list(self.placement.notes)
@@ -221,6 +221,8 @@ class Simulation:
         contacts = self.features.contacts
         if contacts:
             lists.rebuild()
+        else:
+            state.clock.reach.fill_(float("inf"))
         if contacts and not self.features.gravity_first:
             self._launch(forces(model, state, lists, whole, 0.0))
             self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
@@ -251,9 +253,6 @@ class Simulation:
         if clock.fault.numpy()[0]:
             self._name_fault()
         if not clock.moved.numpy()[0]:
-            return
-        if not self.features.contacts:
-            self._lists.relist()
             return
         self._examine_step()
         self._lists.rebuild()

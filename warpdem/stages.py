@@ -39,12 +39,13 @@ class Stage:
 def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
     """First half kick and drift."""
     has = model.features
-    kernel = integrate.drift(_rotate(has), predicted=has.predicted, driven=has.driven)
+    kernel = integrate.drift(
+        _rotate(has), predicted=has.predicted, driven=has.driven, contacts=has.contacts
+    )
     arguments = (
         model.geometry,
         model.inertia,
         dt,
-        0.5 * model.skin,
         share.bodies,
         state.bodies,
         share.clock,

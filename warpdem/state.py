@@ -47,6 +47,7 @@ def allocate(device: Any, body_count: int, arm_count: int, *, account: bool) -> 
     clock = Clock()
     for name in ("moved", "fault", "halted", "steps"):
         setattr(clock, name, zeros(wp.int32, 1))
+    clock.reach = zeros(real, 1)
     energy = Account()
     kept = body_count if account else 1
     energy.power = zeros(real, kept)
@@ -83,6 +84,7 @@ def cut(state: State, body_count: int, members: int, device: Any) -> list[Share]
         clock = state.clock
         if member > 0:
             clock = Clock()
+            clock.reach = state.clock.reach
             clock.moved, clock.fault = state.clock.moved, state.clock.fault
             clock.halted = wp.zeros(1, dtype=wp.int32, device=device)
             clock.steps = wp.zeros(1, dtype=wp.int32, device=device)

@@ -14,6 +14,8 @@ from warpdem.simulation import Simulation
 
 # rounding of the floor; sharp corners sink into it and stay clear of its core
 DEPTH = 0.05
+# of the lists, generous: few bodies, and some are fast
+SKIN = 0.5
 FLOOR = {"name": "floor", "kind": "box", "size": [400.0, 400.0, 4.0], "rounding": DEPTH}
 GROUND = {"shape": "floor", "group": "floor", "position": [0.0, 0.0, -2.0], "fixed": True}
 UNUSED = {
@@ -90,7 +92,7 @@ def laboratory(shapes, bodies, rules, *, dt, gravity=(0.0, 0.0, 0.0), **run):
     ``rules`` hold between all bodies; the floor is the last body.
     """
     scene = {
-        "run": {"duration": 1e3, "dt": dt, "device": "cpu", **run},
+        "run": {"duration": 1e3, "dt": dt, "device": "cpu", "skin": SKIN, **run},
         "gravity": {"vector": list(gravity)},
         "shape": [*shapes, FLOOR],
         "body": [*bodies, GROUND],

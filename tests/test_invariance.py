@@ -1,0 +1,214 @@
+"""What must not change a run: its frame, the order of its bodies, its lists, threads and pauses."""
+
+import numpy as np
+import pytest
+from blocks import FLOOR, NO_FRICTION, heap, momenta, run, same, scene, strips, swarm, unit
+
+import warpdem.simulation
+from warpdem.orientation import product, turned
+from warpdem.simulation import Simulation
+from warpdem.timestep import masses
+
+WEIGHTLESS = (0.0, 0.0, 0.0)
+UNTIL = 0.6
+"""Of a heap [s]: its lower bodies have hit the floor and each other."""
+
+
+def start(bodies, **keys):
+    return Simulation(scene(bodies, **keys), device="cpu", threads=1)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_collisions_of_free_bodies_conserve_momentum_to_rounding(seed):
+    simulation = start(swarm(seed), gravity=WEIGHTLESS)
+    size = np.abs(simulation.placement.velocity).sum()
+    before = momenta(simulation)
+    simulation.advance(0.8)
+    assert simulation.snapshot().energy.friction > 1.0  # they did collide
+    for old, new in zip(before, momenta(simulation), strict=True):
+        assert np.abs(new - old).max() <= 1e-14 * size * np.sqrt(simulation.step_count)
+
+
+def test_two_host_threads_give_bitwise_the_result_of_one(monkeypatch):
+    monkeypatch.setattr(warpdem.simulation, "CREW_BODIES", 2)
+    monkeypatch.setattr(warpdem.simulation.os, "cpu_count", lambda: 2)
+    alone, together = (run(heap(1, 5), UNTIL, threads=threads) for threads in (1, 2))
+    assert together.report()["threads"] == 2
+    assert alone.snapshot().energy.contact_count > 0
+    assert same(alone, together)
+    assert alone.snapshot().energy == together.snapshot().energy
+
+
+def test_run_goes_on_bitwise_from_a_checkpoint():
+    whole = run(heap(1, 5), UNTIL)
+    first = run(heap(1, 5), 0.6 * UNTIL)
+    saved = first.checkpoint()
+    assert len(saved["contact_code"]) > 0
+    resumed = start(heap(1, 5))
+    resumed.restore(saved)
+    resumed.advance(UNTIL)
+    first.advance(UNTIL)  # a checkpoint leaves no trace
+    for simulation in (first, resumed):
+        assert same(simulation, whole)
+        assert simulation.time == whole.time
+        assert simulation.step_count == whole.step_count
+        assert simulation.snapshot().energy == whole.snapshot().energy
+
+
+def test_two_runs_in_one_process_are_bitwise_equal():
+    assert same(run(heap(2), UNTIL), run(heap(2), UNTIL))
+
+
+def test_pauses_of_the_clock_do_not_change_a_run():
+    paused = start(heap(2))
+    for pause in np.linspace(0.0, UNTIL, 37)[1:]:
+        paused.advance(pause)
+    assert same(paused, run(heap(2), UNTIL))
+
+
+def test_rotated_and_shifted_scene_moves_alike():
+    turn, shift = unit(np.array([0.3, -0.5, 0.7, 0.4])), np.array([3.0, -2.0, 5.0])
+    bodies = heap(1, 5)
+    moved = [
+        {
+            **body,
+            "position": turned(turn, np.array(body["position"])) + shift,
+            "orientation": product(turn, np.array(body.get("orientation", [1.0, 0.0, 0.0, 0.0]))),
+            **{key: turned(turn, body[key]) for key in ("velocity", "spin") if key in body},
+        }
+        for body in bodies
+    ]
+    here = run(bodies, UNTIL).snapshot()
+    there = run(moved, UNTIL, gravity=turned(turn, np.array([0.0, 0.0, -9.81]))).snapshot()
+    assert here.energy.friction > 1.0
+    assert np.abs(turned(turn, here.position) + shift - there.position).max() <= 1e-9
+    assert np.abs(turned(turn, here.velocity) - there.velocity).max() <= 1e-7
+
+
+def test_order_of_the_bodies_does_not_matter():
+    bodies, order = heap(1, 5), np.array([3, 5, 0, 2, 4, 1])
+    listed = run(bodies, UNTIL).snapshot()
+    shuffled = run([bodies[k] for k in order], UNTIL).snapshot()
+    assert np.abs(listed.position[order] - shuffled.position).max() <= 1e-9
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_lists_are_conservative_skin_does_not_change_a_bit(seed):
+    simulations = [run(heap(seed, 5), UNTIL, skin=skin) for skin in (0.02, 0.2, 3.0)]
+    rebuilds = [simulation.report()["rebuilds"] for simulation in simulations]
+    assert rebuilds[0] > 3 * rebuilds[1] > 3 * rebuilds[2]
+    assert same(simulations[0], simulations[2])
+    assert same(simulations[1], simulations[2])
+
+
+def test_lists_grow_and_drop_nothing():
+    random = np.random.default_rng(0)
+    places = 1.9 * np.stack(np.meshgrid(*[np.arange(4.0)] * 3), axis=-1).reshape(-1, 3)
+    bodies = [
+        {
+            "shape": "cube",
+            "position": place,
+            "orientation": unit(random.normal(size=4)),
+            "velocity": (places.mean(axis=0) - place) * 2.0,
+        }
+        for place in places
+    ]
+    grown = start(bodies, gravity=WEIGHTLESS, skin=0.05)
+    few = grown.report()["pairs"]
+    grown.advance(0.3)
+    assert grown.report()["pairs"] > few + 100
+    assert grown.snapshot().energy.friction > 1.0
+    assert same(grown, run(bodies, 0.3, gravity=WEIGHTLESS, skin=2.0))
+
+
+def test_fast_ball_meets_every_wall():
+    wall = {"kind": "box", "name": "wall", "size": [1.0, 8.0, 8.0], "rounding": 0.05}
+    ball = {"shape": "ball", "position": [0.0, 0.0, 0.0], "velocity": [500.0, 0.0, 0.0]}
+    walls = [{"shape": "wall", "position": [x, 0.0, 0.0], "fixed": True} for x in (-3.0, 3.0)]
+    law = {"kn": 1e8, "en2": 1.0, "kt": 0.0, "kr": 0.0, "mur": 0.0}
+    simulation = start([ball, *walls], gravity=WEIGHTLESS, law=law, shapes=[wall], dt=1e-5)
+    for instant in np.linspace(0.0, 0.04, 41)[1:]:  # ten rebounds, half a skin in three steps
+        simulation.advance(instant)
+        assert abs(simulation.snapshot().position[0, 0]) < 2.1
+    assert abs(np.linalg.norm(simulation.snapshot().velocity[0]) / 500.0 - 1.0) < 2e-3
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+def test_error_of_the_energy_balance_falls_with_the_square_of_the_step(seed):
+    energies = [
+        run(swarm(seed), 0.8, gravity=WEIGHTLESS, dt=dt).snapshot().energy for dt in (4e-4, 1e-4)
+    ]
+    lost = energies[1].dashpot + energies[1].friction + energies[1].rolling
+    coarse, fine = (abs(energy.balance) / lost for energy in energies)
+    assert fine < 2e-3
+    assert coarse / fine > 8.0
+
+
+def test_driven_plate_drags_a_block_and_its_work_is_accounted_for():
+    block = {"shape": "cube", "position": [0.0, 0.0, 0.5]}
+    simulation = run([block, {**FLOOR, "velocity": [0.5, 0.0, 0.0]}], 0.5)
+    mass = masses(simulation.placement, simulation.polyhedra)[0][0]
+    now = simulation.snapshot()
+    # m v^2 of work: half moves the block, half is lost in friction while it slips
+    assert now.velocity[0, 0] == pytest.approx(0.5, rel=1e-5)
+    assert now.position[1, 0] == pytest.approx(0.25, rel=1e-12)
+    assert now.energy.work == pytest.approx(mass * 0.25, rel=1e-4)
+    assert now.energy.friction == pytest.approx(0.5 * mass * 0.25, rel=1e-3)
+    assert abs(now.energy.balance) < 1e-4 * now.energy.work
+
+
+@pytest.fixture
+def grounds(tmp_path):
+    """Planes z = 0 by name: many facets of one mesh, and a raster of heights."""
+    raster = tmp_path / "flat.asc"
+    header = "ncols 5\nnrows 4\nxllcorner -1\nyllcorner -1.5\ncellsize 0.9\n"
+    raster.write_text(header + 4 * "-0.05 -0.05 -0.05 -0.05 -0.05\n")
+    terrain = {"kind": "terrain", "name": "terrain", "file": str(raster), "rounding": 0.05}
+    return {"strips": strips(), "terrain": terrain}
+
+
+@pytest.mark.parametrize("ground", ["strips", "terrain"])
+def test_block_stops_at_the_same_place_on_a_plane_of_many_facets(ground, grounds):
+    block = {
+        "shape": "brick",
+        "position": [0.0, 0.0, 0.25],
+        "orientation": unit(np.array([1.0, 0.0, 0.0, 0.3])),
+        "velocity": [2.5, 0.3, 0.0],
+        "spin": [0.0, 0.0, 0.4],
+    }
+    plane = {"shape": ground, "position": [0.0, 0.0, 0.0], "fixed": True}
+    whole = run([block, FLOOR], 1.0).snapshot()
+    cut = run([block, plane], 1.0, shapes=[grounds[ground]]).snapshot()
+    assert whole.position[0, 0] > 0.6  # over the borders of facets
+    assert np.linalg.norm(whole.velocity[0]) < 1e-6
+    assert np.linalg.norm(whole.position[0] - cut.position[0]) <= 1e-6
+
+
+def test_block_slides_ten_metres_over_facets_without_friction_at_its_speed():
+    block = {"shape": "brick", "position": [0.0, 0.0, 0.25], "velocity": [8.0, 0.3, 0.0]}
+    plane = {"shape": "strips", "position": [0.0, 0.0, 0.0], "fixed": True}
+    end = run([block, plane], 1.25, law=NO_FRICTION, shapes=[strips()]).snapshot()
+    assert end.position[0, 0] == pytest.approx(10.0)
+    assert np.linalg.norm(end.velocity[0] - [8.0, 0.3, 0.0]) <= 1e-9 * 8.0
+    assert np.linalg.norm(end.spin[0]) <= 1e-9
+
+
+def test_friction_moves_with_a_ball_from_a_face_to_its_border_edge():
+    ball = {"shape": "ball", "position": [0.43, 0.0, 0.99998], "velocity": [0.4, 0.0, 0.0]}
+    bodies = [
+        {**ball, "spin": [0.0, 0.8, 0.0]},
+        {"shape": "cube", "position": [0.0, 0.0, 0.0], "fixed": True},
+    ]
+    law = {"mu": 5.0, "mur": 1e-30}
+    simulation = start(bodies, gravity=(4.0, 1.0, -9.0), law=law, dt=5e-5)
+    face, friction = 3, [np.zeros(3)]
+    while simulation.step_count < 2000:
+        simulation.advance(simulation.time + simulation.dt)
+        touching = simulation.snapshot(contacts=True).contacts
+        friction.append(touching.tangential_force.sum(axis=0))
+        if face not in touching.kind:
+            break
+    before, after = np.linalg.norm(friction[-2]), np.linalg.norm(friction[-1])
+    assert before > 1.0
+    # a contact without the other one's history would start from half of it
+    assert after == pytest.approx(before, rel=0.02)
