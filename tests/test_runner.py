@@ -111,6 +111,19 @@ def test_a_signal_before_the_first_step_leaves_no_folder(tmp_path, simulation, n
     assert not (tmp_path / "run").exists()
 
 
+def test_a_signal_at_the_first_moment_leaves_a_checkpoint(tmp_path, simulation):
+    sent = []
+
+    def notes(self):
+        if not sent:
+            sent.append(send(signal.SIGTERM)())
+        return []
+
+    simulation.notes = property(notes, lambda self, value: None)
+    assert run(tmp_path / "run") == 143
+    assert run(tmp_path / "run", resume=True) == 0
+
+
 def test_further_signals_do_no_harm(tmp_path, simulation):
     def press_again(self):
         send(signal.SIGINT)()

@@ -23,7 +23,7 @@ from warpdem.rays import SAMPLES, Cells, cap_cells, edge_cells, face_cells
 from warpdem.reach import reach
 
 if TYPE_CHECKING:
-    from warpdem.arrays import FloatArray, IntArray
+    from warpdem.arrays import BoolArray, FloatArray, IntArray
     from warpdem.core import Core
 
 _TOLERANCE = 1e-6  # aimed at, of volume and least inertia
@@ -81,18 +81,19 @@ def _integrated(
     """Integral over all cells and its error, dividing those whose parts disagree with them."""
     total, error = np.zeros(10), np.zeros(10)
     parents = ground.near(cells)
-    values, _ = ground.overlaps(parents)
+    values, _, cut = ground.overlaps(parents)
     spent = 0
     while parents.count:
-        divided = parents.divided()
-        parts = ground.culled(divided, divided.owner, divided.triangles)
-        part_values, part_doubts = ground.overlaps(parts)
+        parts = ground.quartered(parents)
+        part_values, part_doubts, part_cut = ground.overlaps(parts)
         spent += parts.count
         summed = part_values.reshape(-1, 4, 10).sum(axis=1)
         gap = np.maximum(np.abs(summed - values), part_doubts.reshape(-1, 4, 10).sum(axis=1))
-        # a coarse cell's samples may agree by missing all there is
+        # a coarse cell's samples may agree by missing what there is, but for one triangle that
+        # cuts all of its rays
         whole = ground.swept(parents)
         coarse = parents.is_coarse(ground.radius) & (whole > limit[0])
+        coarse &= ~cut | (np.diff(parents.start) > 1)
         done = ~coarse & (gap <= limit).all(axis=1)
         if spent > _BUDGET:
             gap[coarse] = np.maximum(gap[coarse], whole[coarse, None])
@@ -101,6 +102,7 @@ def _integrated(
         error += gap[done].sum(axis=0)
         kept = np.repeat(~done, 4) & (np.diff(parts.start) > 0)
         parents, values = parts.rows(np.flatnonzero(kept)), part_values[kept]
+        cut = part_cut[kept]
     return total, error
 
 
@@ -112,6 +114,11 @@ class _Ground:
         self.faces = triangulated(core.vertices, core.facets, core.normals, convex_faces(core))
         bare = [core.wires[:, [0, 1, 1]], np.column_stack([core.points] * 3)]
         self._triangles = core.vertices[np.concatenate([self.faces[0], *bare])]
+        a, b, c = self._triangles.transpose(1, 0, 2)
+        normals = np.cross(b - a, c - a)
+        # zero for edges and points: no ball is off their plane
+        length = np.linalg.norm(normals, axis=1, keepdims=True)
+        self._normals = normals / np.where(length > 0.0, length, 1.0)
         self._grid = BoxGrid(self._triangles.min(axis=1), self._triangles.max(axis=1))
 
     def near(self, cells: Cells) -> Cells:
@@ -122,46 +129,61 @@ class _Ground:
         return found.rows(np.flatnonzero(np.diff(found.start)))
 
     def culled(self, cells: Cells, cell: IntArray, triangle: IntArray) -> Cells:
-        """All cells with those of the triangles, given by pairs, that may cut a ray short.
+        """All cells with those of the triangles, given by pairs, that may cut a ray short."""
+        kept = [
+            self._may_cut(cells, cell[k : k + _CHUNK], triangle[k : k + _CHUNK])
+            for k in range(0, len(cell), _CHUNK)
+        ]
+        chosen = np.concatenate([np.zeros(0, bool), *kept])
+        return cells.with_triangles(cell[chosen], triangle[chosen])
 
-        Such a triangle meets the balls of the rays' whole length, and rises above some corner's
-        ray: between corners, directions are their sums.
-        """
+    def _may_cut(self, cells: Cells, own: IntArray, triangle: IntArray) -> BoolArray:
+        """Whether triangles may meet the balls of radius R on the rays of cells."""
+        other = self._triangles[triangle]
         centre, spread = cells.ends(self.radius)
-        base, direction = cells.corner_rays
+        may = distances(centre[own], other) < self.radius + spread[own]
+        # a ball through x and y has the radius |y - x|^2 / 2 n . (y - x)
+        base, direction = (rays[own] for rays in cells.corner_rays)
         middle = base.mean(axis=1)
         width = np.linalg.norm(base - middle[:, None], axis=2).max(axis=1)
-        kept = np.zeros(len(cell), bool)
-        for k in range(0, len(cell), _CHUNK):
-            own, other = cell[k : k + _CHUNK], self._triangles[triangle[k : k + _CHUNK]]
-            near = distances(centre[own], other) < self.radius + spread[own]
-            offset = other[:, None] - base[own][:, :, None]
-            rise = np.einsum("nijk,nik->nij", offset, direction[own]).max(axis=(1, 2))
-            # a ball through x and y has the radius |y - x|^2 / 2 n . (y - x)
-            least = np.maximum(distances(middle[own], other) - width[own], 0.0)
-            near &= least**2 < 2.0 * self.radius * rise
-            kept[k : k + _CHUNK] = near & (rise > _ABOVE)
-        return cells.with_triangles(cell[kept], triangle[kept])
+        least = np.maximum(distances(middle, other) - width, 0.0)
+        rise = cells.rise(own, other)
+        may &= (rise > _ABOVE) & (least**2 < 2.0 * self.radius * rise)
+        # balls on one side of the triangle's plane
+        normal = self._normals[triangle]
+        offset = base + self.radius * direction - other[:, :1]
+        height = np.einsum("nki,ni->nk", offset, normal)
+        clear = self.radius * (2.0 - cells.spread[own]) * (1.0 - 1e-12)
+        return may & ~(
+            (height >= clear[:, None]).all(axis=1) | (height <= -clear[:, None]).all(axis=1)
+        )
+
+    def quartered(self, cells: Cells) -> Cells:
+        """Four cells for each, one after the other, with those of its triangles that matter."""
+        parts = cells.halved(self.radius).halved(self.radius)
+        return self.culled(parts, parts.owner, parts.triangles)
 
     def swept(self, cells: Cells) -> FloatArray:
         """Volume of the rays of each cell, shape [cell_count]."""
         power = cells.order + 1
         return cells.samples[1].sum(axis=1) * self.radius**power / power
 
-    def overlaps(self, cells: Cells) -> tuple[FloatArray, FloatArray]:
+    def overlaps(self, cells: Cells) -> tuple[FloatArray, FloatArray, BoolArray]:
         """Integrals of 1, x, y, z, xx, xy, ... zz over the ends cut off, and their doubt.
 
-        Shapes [cell_count, 10].
+        Returns:
+            Both of shape [cell_count, 10], and the cells of which all rays are cut short.
         """
         load = np.cumsum(SAMPLES * np.diff(cells.start)) // _CHUNK
         values, doubts = np.zeros((cells.count, 10)), np.zeros((cells.count, 10))
+        cut = np.zeros(cells.count, bool)
         busy = np.flatnonzero(np.diff(cells.start))
         for rows in np.split(busy, np.flatnonzero(np.diff(load[busy])) + 1):
             if len(rows):
-                values[rows], doubts[rows] = self._overlaps(cells.rows(rows))
-        return values, doubts
+                values[rows], doubts[rows], cut[rows] = self._overlaps(cells.rows(rows))
+        return values, doubts, cut
 
-    def _overlaps(self, cells: Cells) -> tuple[FloatArray, FloatArray]:
+    def _overlaps(self, cells: Cells) -> tuple[FloatArray, FloatArray, BoolArray]:
         points, weights = cells.samples
         base, direction = cells.rays(points)
         other = self._triangles[cells.triangles][:, None]
@@ -180,7 +202,7 @@ class _Ground:
         place = np.linalg.norm(base, axis=2).max(axis=1) + self.radius
         scale = np.column_stack([np.ones_like(place), *[place] * 3, *[place**2] * 6])
         values = _moments(base, direction, [weights * power for power in powers])
-        return values, doubt[:, None] * scale
+        return values, doubt[:, None] * scale, ~whole.any(axis=1)
 
 
 def _moments(

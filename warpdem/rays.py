@@ -23,8 +23,6 @@ _POINTS = np.array(
 _WEIGHTS = np.repeat([270.0, 155.0 - np.sqrt(15.0), 155.0 + np.sqrt(15.0), 0.0], [1, 3, 3, 3])
 _WEIGHTS /= 1200.0
 SAMPLES = len(_WEIGHTS)
-# the corners of a triangle's four parts, of its corners 0 1 2 and the middles 3 4 5 of 01 12 20
-_PARTS = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +92,12 @@ class Cells:
             weights = weights * height[:, None] / np.linalg.norm(points, axis=-1) ** 3
         return points, weights
 
+    @cached_property
+    def spread(self) -> FloatArray:
+        """Cosine of the widest angle between directions at corners, shape [cell_count]."""
+        _, direction = self.corner_rays
+        return np.einsum("nki,nki->nk", direction, np.roll(direction, 1, axis=1)).min(axis=1)
+
     def ends(self, radius: float) -> tuple[FloatArray, FloatArray]:
         """Balls that hold the centres x + R n of the rays' balls: centres and radii.
 
@@ -103,9 +107,23 @@ class Cells:
         base, direction = self.corner_rays
         end = base + radius * direction
         centre = end.mean(axis=1)
-        spread = np.linalg.norm(end - centre[:, None], axis=-1).max(axis=1)
-        cosine = np.einsum("nki,nki->nk", direction, np.roll(direction, 1, axis=1)).min(axis=1)
-        return centre, spread + radius * (1.0 - cosine)
+        reach = np.linalg.norm(end - centre[:, None], axis=-1).max(axis=1)
+        return centre, reach + radius * (1.0 - self.spread)
+
+    def rise(self, chosen: IntArray, triangles: FloatArray) -> FloatArray:
+        """Upper bound of n . (y - x) over the rays of cells and the points y of triangles.
+
+        Directions between the corners' are sums of theirs, over lengths down to
+        sqrt((1 + 2 cos a) / 3).
+
+        Args:
+            chosen: Number of a cell for each triangle, shape [n].
+            triangles: Shape [n, 3, 3].
+        """
+        base, direction = (rays[chosen] for rays in self.corner_rays)
+        offset = triangles[:, None] - base[:, :, None]
+        rise = np.einsum("nijk,nik->nij", offset, direction).max(axis=(1, 2))
+        return rise / np.sqrt(np.maximum(1.0 + 2.0 * self.spread[chosen], 0.03) / 3.0)
 
     def is_coarse(self, radius: float) -> FloatArray:
         """Cells so wide that samples might miss a feature, shape [cell_count]."""
@@ -114,21 +132,24 @@ class Cells:
         turn = np.linalg.norm(direction - np.roll(direction, 1, axis=1), axis=-1).max(axis=1)
         return np.maximum(length / radius, turn) > 0.6
 
-    def divided(self) -> Cells:
-        """Four cells for each, one after the other, with its triangles."""
-        middles = 0.5 * (self.corners + np.roll(self.corners, -1, axis=1))
-        points = np.concatenate([self.corners, middles], axis=1)
-        length = np.diff(self.start)
-        slot = np.arange(4 * len(self.triangles))
-        begin = np.repeat(np.repeat(self.start[:-1], 4), np.repeat(length, 4))
-        start = np.concatenate([[0], np.cumsum(np.repeat(length, 4))])
-        inside = slot - np.repeat(start[:-1], np.repeat(length, 4))
+    def halved(self, radius: float) -> Cells:
+        """Two cells for each, one after the other, with its triangles: the longest side is cut."""
+        scale = np.array([1.0, radius, 1.0]) if self.order == 1 else np.ones(3)
+        sides = (np.roll(self.corners, -1, axis=1) - self.corners) * scale
+        first = np.linalg.norm(sides, axis=2).argmax(axis=1)
+        turn = (first[:, None] + np.arange(3)) % 3
+        a, b, c = np.take_along_axis(self.corners, turn[:, :, None], axis=1).transpose(1, 0, 2)
+        middle = 0.5 * (a + b)
+        halves = [np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)]
+        length = np.repeat(np.diff(self.start), 2)
+        start = np.concatenate([[0], np.cumsum(length)])
+        inside = np.arange(start[-1]) - np.repeat(start[:-1], length)
         return Cells(
             self.order,
-            points[:, _PARTS].reshape(-1, 3, 3),
-            np.repeat(self.frame, 4, axis=0),
+            np.stack(halves, axis=1).reshape(-1, 3, 3),
+            np.repeat(self.frame, 2, axis=0),
             start,
-            self.triangles[begin + inside],
+            self.triangles[np.repeat(np.repeat(self.start[:-1], 2), length) + inside],
         )
 
     def rows(self, chosen: IntArray) -> Cells:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import warp as wp
 
+from warpdem.observe import slots
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -27,6 +29,8 @@ BODIES = (
     "listed_position",
     "listed_orientation",
 )
+# of the contacts that touched in the last force pass, packed
+TOUCHING = ("which", "normal", "point", "gap")
 
 
 def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray]:
@@ -49,6 +53,10 @@ def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray
     saved["contact_code"] = candidates.code.numpy()[kept]
     saved["contact_past"] = past[kept]
     saved["contact_rolled"] = candidates.rolled.numpy()[kept] if rolling else np.zeros((0, 4))
+    saved["pair_touching"] = pairs.touching.numpy()[:n].copy()
+    place, _ = slots(lists)
+    for name in TOUCHING:
+        saved[f"touching_{name}"] = getattr(candidates, name).numpy()[place]
     return saved
 
 
@@ -71,6 +79,7 @@ def put_back(
     bodies.orientation.assign(saved["orientation"])
     orient()
     _remember(lists, saved)
+    _touch(lists, saved)
     lists.spent = saved["spent"].copy()
     n = lists.pair_count
     if len(saved["pair_account"]) == n and n:
@@ -78,6 +87,20 @@ def put_back(
             state.account.pair,
             wp.array(saved["pair_account"], dtype=state.account.pair.dtype, device="cpu"),
         )
+
+
+def _touch(lists: Lists, saved: dict[str, np.ndarray]) -> None:
+    """Put back what the last force pass found touching: it bounds the step, and shows in snapshots."""
+    n = lists.pair_count
+    if not n:
+        return
+    lists.pairs.touching[:n].assign(saved["pair_touching"])
+    place, _ = slots(lists)
+    for name in TOUCHING:
+        values = getattr(lists.candidates, name)
+        all_of = values.numpy().copy()
+        all_of[place] = saved[f"touching_{name}"]
+        values.assign(all_of)
 
 
 def _remember(lists: Lists, saved: dict[str, np.ndarray]) -> None:

@@ -94,8 +94,10 @@ class Session:
         )
         try:
             with writer:
-                while not self._frames.done and not self.interrupts.received:
+                while not self._frames.done:
                     self._advance(recorder)
+                    if self.interrupts.received:
+                        break
         finally:
             recorder.close()
 

@@ -1,7 +1,10 @@
 """Blocks, measured: on a slope, in columns and stacks, on one corner."""
 
 import numpy as np
-from scenes import ball, body, box, laboratory, law, record, tilted
+from scenes import DEPTH, ball, body, box, laboratory, law, record, tilted
+
+from warpdem.orientation import product
+from warpdem.orientation import turned as rotated
 
 SHARP = 1e-9
 
@@ -111,3 +114,62 @@ def limit_of_stability(low, high, **column):
         grows = growth(dt=middle, **column) > 1e3
         low, high = (low, middle) if grows else (middle, high)
     return 0.5 * (low + high)
+
+
+def overhang(*, shifts, length, share, duration, g=9.81, kn=1e6, height=0.2, rounding=0.01):
+    """Largest tilt [rad] of a stack in which each block overhangs the next by ``share`` of shifts.
+
+    ``shifts`` are from the top to the floor's edge; ``length`` is that of the cores, on whose edges
+    the blocks stand. Each block is narrower than the next, so that the edges in between cross.
+    """
+    count = len(shifts)
+    edge = 200.0 - DEPTH
+    # the foremost point of block k lies so far beyond the edge of the floor
+    ahead = share * np.cumsum(shifts[::-1])[::-1]
+    shapes, bodies = [], []
+    for k in range(count):
+        width = 0.3 + 0.02 * k
+        size = (length + 2 * rounding, width + 2 * rounding, height)
+        shapes.append(box(f"block {k}", size, rounding=rounding))
+        middle = (edge + ahead[k] - 0.5 * length, 0.0, (count - k - 0.5) * height)
+        bodies.append(body(f"block {k}", middle))
+    rules = law(kn, kt=0.8 * kn, mu=0.6, e=0.2)
+    gravity = [0.0, 0.0, -g]
+    simulation = laboratory(shapes, bodies, rules, dt="auto", duration=duration, gravity=gravity)
+    simulation.advance(duration)
+    vector = simulation.snapshot().orientation[:count, 1:]
+    return 2.0 * np.linalg.norm(vector, axis=1).max()
+
+
+def corner_impact(*, size, density, angles, velocity, spin, rules, m_eff, steps=50):
+    """Velocity and spin of a sharp box after its lowest corner struck the floor, without gravity.
+
+    ``angles`` turn it about x, then y, then z.
+    """
+    q = turned_about(angles)
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    arms = rotated(q, corners * (0.5 * np.array(size) - SHARP))
+    depth = -arms[:, 2].min() + SHARP
+    mass = density * float(np.prod(size))
+    block = body(
+        "box",
+        [0.0, 0.0, depth],
+        mass=mass,
+        orientation=q,
+        velocity=velocity,
+        spin=spin,
+    )
+    dt = np.pi * np.sqrt(m_eff / rules["kn"]) / steps
+    simulation = laboratory([box("box", size)], [block], rules, dt=dt)
+    shots = record(simulation, 2)
+    while shots[-1].force[0, 2] > 0.0:
+        shots += record(simulation, 1)[1:]
+    return shots[-1].velocity[0], shots[-1].spin[0]
+
+
+def turned_about(angles):
+    """Unit quaternion w, x, y, z of turns about the fixed axes x, y, z in this order."""
+    q = np.array([1.0, 0.0, 0.0, 0.0])
+    for axis, angle in zip(np.eye(3), angles, strict=True):
+        q = product(np.append(np.cos(angle / 2.0), np.sin(angle / 2.0) * axis), q)
+    return q

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpdem.errors import OutputError, WarpdemError
-from warpdem.output.durable import replace
+from warpdem.output.durable import replace, sync
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -66,6 +66,7 @@ def save(path: Path, checkpoint: Checkpoint) -> None:
     buffer = io.BytesIO()
     np.savez(buffer, head=np.array(json.dumps({"version": VERSION, **head})), **arrays)
     replace(path, lambda part: part.write_bytes(buffer.getbuffer()))
+    sync(path.parent)  # its new name, and those of the frames before it
 
 
 def load(path: Path) -> Checkpoint:

@@ -22,11 +22,11 @@ def sync(path: Path) -> None:
         os.close(handle)
 
 
-def replace(path: Path, write: Callable[[Path], object]) -> None:
-    """Write a file beside its place and move it there once the disk holds it.
+def swap(path: Path, write: Callable[[Path], object]) -> None:
+    """Write a file beside its place and move it there: a reader sees the old one or the new one.
 
     Args:
-        path: The file to make or to replace; an older one stays until the new one is whole.
+        path: The file to make or to replace.
         write: Writes the file at the path it is given.
 
     Raises:
@@ -35,16 +35,22 @@ def replace(path: Path, write: Callable[[Path], object]) -> None:
     part = path.with_name(path.name + PART)
     try:
         write(part)
-        sync(part)
         part.replace(path)
     except BaseException as fault:
         part.unlink(missing_ok=True)
         if isinstance(fault, OSError):  # a failed write does not know its file
             raise OSError(fault.errno, fault.strerror, str(path)) from fault
         raise
-    sync(path.parent)
 
 
-def replace_text(path: Path, text: str) -> None:
-    """Write a text file as UTF-8 by :func:`replace`."""
-    replace(path, lambda part: part.write_bytes(text.encode()))
+def replace(path: Path, write: Callable[[Path], object]) -> None:
+    """Swap a file once the disk holds it whole: power may go, an older one stays until then.
+
+    Args and errors as of :func:`swap`.
+    """
+
+    def write_through(part: Path) -> None:
+        write(part)
+        sync(part)
+
+    swap(path, write_through)

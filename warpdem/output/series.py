@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from warpdem.output.durable import replace, replace_text
+from warpdem.output.durable import replace, swap
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -53,7 +53,8 @@ class Series:
             for number, time in enumerate(self.times)
         ]
         head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n  <Collection>\n'
-        replace_text(self.index, f"{head}{''.join(entries)}  </Collection>\n</VTKFile>\n")
+        text = f"{head}{''.join(entries)}  </Collection>\n</VTKFile>\n"
+        swap(self.index, lambda part: part.write_bytes(text.encode()))
 
     def truncate(self, count: int) -> None:
         """Forget the frames from number ``count`` on, those of the disk included."""

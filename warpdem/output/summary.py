@@ -7,7 +7,7 @@ import platform
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
-from warpdem.output.durable import replace_text
+from warpdem.output.durable import replace
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -34,7 +34,8 @@ def save(path: Path, facts: Mapping[str, Any]) -> None:
     Raises:
         OSError: The disk is full.
     """
-    replace_text(path, json.dumps(facts, indent=2, default=_plain) + "\n")
+    text = json.dumps(facts, indent=2, default=_plain) + "\n"
+    replace(path, lambda part: part.write_bytes(text.encode()))
 
 
 def _plain(value: Any) -> Any:

@@ -40,7 +40,7 @@ class Surfaces:
         every_shape = list(polyhedra.values())
         shapes = [every_shape[shape] for shape in used]
         self._corners = [shape.surface.points for shape in shapes]
-        self._single = _fits_single(shapes, self._members, placement)
+        self._is_single = _fits_single(shapes, self._members, placement)
         self._connect(shapes)
         self._constant = {
             "body": np.arange(len(placement.shape), dtype=np.int32),
@@ -72,17 +72,19 @@ class Surfaces:
             turned *= self._placement.scale[members, None, None]
             turned += snapshot.position[members, None]
             parts.append(turned.reshape(-1, 3))
-        return np.concatenate(parts).astype(np.float32 if self._single else np.float64, copy=False)
+        return np.concatenate(parts).astype(
+            np.float32 if self._is_single else np.float64, copy=False
+        )
 
     def fields(self, snapshot: Snapshot, names: Sequence[str]) -> dict[str, NDArray[Any]]:
-        """Values of the bodies at each of their polygons, by name."""
+        """Values of the bodies at each of their polygons, by name; numbers in single precision."""
         values = self._constant | {
             "speed": np.linalg.norm(snapshot.velocity, axis=1),
             "velocity": snapshot.velocity,
             "spin": snapshot.spin,
             "force": snapshot.force,
         }
-        return {name: values[name][self.body] for name in names}
+        return {name: np.take(_single(values[name]), self.body, axis=0) for name in names}
 
     def grid(self, snapshot: Snapshot, names: Sequence[str]) -> vtkUnstructuredGrid:
         """All surfaces at one instant, with the named fields as cell data."""
@@ -90,6 +92,10 @@ class Surfaces:
 
         cell_data = self.fields(snapshot, names)
         return vtu.polygons(self.points(snapshot), self._connectivity, self._offsets, cell_data)
+
+
+def _single(values: NDArray[Any]) -> NDArray[Any]:
+    return values.astype(np.float32) if values.dtype == np.float64 else values
 
 
 def _finite(mass: FloatArray) -> FloatArray:

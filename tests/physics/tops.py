@@ -1,0 +1,98 @@
+"""Bodies that turn: free of torque, and a top on its tip."""
+
+import numpy as np
+import warp as wp
+from scenes import laboratory, law
+
+from warpdem.kernels.precision import quat, real, vec3
+from warpdem.kernels.rotation import free_drift
+from warpdem.orientation import product, turned
+
+
+def angle_between(q, other):
+    """Angle of the turn between two orientations w, x, y, z [rad]."""
+    turn = product(q, np.asarray(other) * np.array([1.0, -1.0, -1.0, -1.0]))
+    return 2.0 * np.arctan2(np.linalg.norm(turn[..., 1:], axis=-1), np.abs(turn[..., 0]))
+
+
+def free_rotor(moments, spin, times, *, dt):
+    """Snapshots at ``times`` of a body of mass 1 that starts in its principal axes' orientation."""
+    shape = {
+        "name": "rotor",
+        "kind": "polyhedron",
+        "vertices": [[0.0, 0.0, 0.0]],
+        "rounding": 0.05,
+        "volume": 1.0,
+        "inertia_over_mass": list(moments),
+    }
+    rotor = {
+        "shape": "rotor",
+        "group": "free",
+        "position": [0.0, 0.0, 100.0],
+        "density": 1.0,
+        "spin": list(spin),
+    }
+    simulation = laboratory([shape], [rotor], law(1.0), dt=dt)
+    shots = []
+    for t in times:
+        simulation.advance(t)
+        shots.append(simulation.snapshot())
+    return shots
+
+
+def principal_momentum(shots, moments):
+    """Angular momenta of body 0 in its principal axes, shape [shot_count, 3]."""
+    back = np.array([1.0, -1.0, -1.0, -1.0])
+    spins = [turned(shot.orientation[0] * back, shot.spin[0]) for shot in shots]
+    return np.array(spins) * moments
+
+
+@wp.kernel(enable_backward=False)
+def spin_top(
+    moment: vec3,
+    weight: real,  # m g l [N m]
+    dt: real,
+    steps: int,
+    q: wp.array(dtype=quat),
+    momentum: wp.array(dtype=vec3),
+):
+    """Kick-drift-kick of a body pinned at a point of its third axis; z is up."""
+    down = vec3(real(0.0), real(0.0), -weight)
+    axis = vec3(real(0.0), real(0.0), real(1.0))
+    pose = q[0]
+    spun = momentum[0]
+    torque = wp.cross(wp.quat_rotate(pose, axis), down)
+    for _ in range(steps):
+        pose, spun = free_drift(pose, spun, torque, moment, dt)
+        torque = wp.cross(wp.quat_rotate(pose, axis), down)
+        spun = spun + torque * (real(0.5) * dt)
+    q[0] = pose
+    momentum[0] = spun
+
+
+def heavy_top(*, moments, weight, tilt, spin, times, dt):
+    """Orientations w, x, y, z and angular momenta at ``times`` of a top let go with its spin.
+
+    Moments about the pinned point; ``weight`` is m g l [N m].
+    """
+    start = np.array([np.cos(tilt / 2.0), np.sin(tilt / 2.0), 0.0, 0.0])
+    axis = np.array([0.0, -np.sin(tilt), np.cos(tilt)])
+    q = wp.array([quat(*start[[1, 2, 3, 0]])], dtype=quat, device="cpu")
+    momentum = wp.array([vec3(*(moments[2] * spin * axis))], dtype=vec3, device="cpu")
+    orientations, momenta, done = [], [], 0
+    for t in times:
+        steps = round(t / dt) - done
+        inputs = [vec3(*moments), weight, dt, steps]
+        wp.launch(spin_top, dim=1, inputs=inputs, outputs=[q, momentum], device="cpu")
+        done += steps
+        orientations.append(q.numpy()[0, [3, 0, 1, 2]])
+        momenta.append(momentum.numpy()[0])
+    return np.array(orientations), np.array(momenta)
+
+
+def euler_zxz(precession, nutation, rotation):
+    """Quaternion w, x, y, z of the Euler angles z, x, z."""
+    half = 0.5 * np.array([precession, nutation, rotation])
+    (a, b, c), (s, t, u) = np.cos(half), np.sin(half)
+    first, tilt, own = ([a, 0.0, 0.0, s], [b, t, 0.0, 0.0], [c, 0.0, 0.0, u])
+    return product(product(first, tilt), own)
