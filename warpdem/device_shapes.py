@@ -59,7 +59,10 @@ def _starts(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
 def _join(parts: list[Any], dtype: Any, width: int = 0) -> np.ndarray:
     """One array of all parts, of one spare row when there is none: kernels take no empty ones."""
     shape = (0, width) if width else (0,)
-    rows = np.concatenate([np.asarray(p, dtype=dtype).reshape(-1, *shape[1:]) for p in parts])
+    spare = np.zeros(shape, dtype=dtype)
+    rows = np.concatenate(
+        [spare, *(np.asarray(p, dtype=dtype).reshape(-1, *shape[1:]) for p in parts)]
+    )
     return rows if len(rows) else np.zeros((1, *shape[1:]), dtype=dtype)
 
 

@@ -189,8 +189,7 @@ class _Ground:
         other = self._triangles[cells.triangles][:, None]
         lengths = reach(base[cells.owner], direction[cells.owner], other)
         length = np.minimum.reduceat(lengths, cells.start[:-1], axis=0)
-        # cells may end just where rays begin to be cut short
-        cut, whole = length < (1.0 - 1e-9) * self.radius, length > (1.0 + 1e-9) * self.radius
+        cut, whole = length < self.radius, length >= self.radius
         kinked = cut.any(axis=1) & whole.any(axis=1)
         length = np.minimum(length, self.radius)
         powers = [

@@ -13,12 +13,13 @@ if TYPE_CHECKING:
     from warpdem.core import Core
 
 # corners' weights and weight of the rule of degree 5 with 7 points, Radon (1948),
-# doi:10.1007/BF01525334; then the corners, of no weight, to see where the integrand begins
+# doi:10.1007/BF01525334; then points just inside the corners, of no weight, to see where rays begin
+# to be cut short (at a corner itself an adjoining triangle is at no distance)
 _NEAR = [(6.0 - np.sqrt(15.0)) / 21.0, (6.0 + np.sqrt(15.0)) / 21.0]
 _POINTS = np.array(
     [[1.0 / 3.0] * 3]
     + [[1.0 - 2.0 * x if k == corner else x for k in range(3)] for x in _NEAR for corner in range(3)]
-    + np.eye(3).tolist()
+    + (1e-4 + (1.0 - 3e-4) * np.eye(3)).tolist()
 )
 _WEIGHTS = np.repeat([270.0, 155.0 - np.sqrt(15.0), 155.0 + np.sqrt(15.0), 0.0], [1, 3, 3, 3])
 _WEIGHTS /= 1200.0
@@ -130,7 +131,7 @@ class Cells:
         base, direction = self.corner_rays
         length = np.linalg.norm(base - np.roll(base, 1, axis=1), axis=-1).max(axis=1)
         turn = np.linalg.norm(direction - np.roll(direction, 1, axis=1), axis=-1).max(axis=1)
-        return np.maximum(length / radius, turn) > 0.6
+        return np.maximum(length / radius, 2.0 * turn) > 1.5
 
     def halved(self, radius: float) -> Cells:
         """Two cells for each, one after the other, with its triangles: the longest side is cut."""
@@ -244,7 +245,7 @@ def edge_cells(core: Core) -> Cells:
     arcs = core.edge_arcs
     along = core.vertices[arcs.ends[:, 1]] - core.vertices[arcs.ends[:, 0]]
     length = np.linalg.norm(along, axis=1)
-    along = along / length[:, None]
+    along = _unit(along)
     frame = np.stack(
         [core.vertices[arcs.ends[:, 0]], along, arcs.middle, np.cross(along, arcs.middle)], axis=1
     )
@@ -262,12 +263,11 @@ def edge_cells(core: Core) -> Cells:
 
 
 def cap_cells(core: Core) -> Cells:
-    """Cells of the vertices."""
-    corners: list[FloatArray] = []
-    vertex: list[int] = []
+    """Cells of the vertices: triangles from the middle of each normal cone to its arcs."""
+    plain = _plain_cap_cells(core)
+    corners, vertex = [], []
     for number, cap in core.caps:
-        middle = -cap.angles @ cap.outward
-        middle /= np.linalg.norm(middle)
+        middle = _unit(-cap.angles @ cap.outward)
         after = np.roll(cap.corners, -1, axis=0)
         corners += [np.array([middle, a, b]) for a, b in zip(cap.corners, after, strict=True)]
         vertex += [number] * len(after)
@@ -276,5 +276,29 @@ def cap_cells(core: Core) -> Cells:
     for number in core.points.tolist():
         corners += list(octants)
         vertex += [number] * len(octants)
-    frame = np.repeat(core.vertices[np.array(vertex, np.int64)][:, None], 4, axis=1)
-    return _fresh(2, np.array(corners).reshape(-1, 3, 3), frame)
+    at = np.concatenate([plain[1], np.array(vertex, np.int64)])
+    frame = np.repeat(core.vertices[at][:, None], 4, axis=1)
+    return _fresh(2, np.concatenate([plain[0], np.array(corners).reshape(-1, 3, 3)]), frame)
+
+
+def _plain_cap_cells(core: Core) -> tuple[FloatArray, IntArray]:
+    """Triangles and vertices of the cells of plain vertices, whose arcs are their edges'."""
+    arcs = core.edge_arcs
+    along = _unit(core.vertices[arcs.ends[:, 1]] - core.vertices[arcs.ends[:, 0]])
+    middle = np.zeros_like(core.vertices)
+    for end, away in ((0, along), (1, -along)):
+        np.add.at(middle, arcs.ends[:, end], -arcs.half[:, None] * away)
+    across = np.sin(arcs.half)[:, None] * np.cross(along, arcs.middle)
+    onward = np.cos(arcs.half)[:, None] * arcs.middle
+    triangles, vertices = [], []
+    for end in (0, 1):
+        at = arcs.ends[:, end]
+        rows = core.plain_vertices[at]
+        rim = [_unit(middle[at[rows]]), (onward - across)[rows], (onward + across)[rows]]
+        triangles.append(np.stack(rim, axis=1))
+        vertices.append(at[rows])
+    return np.concatenate(triangles), np.concatenate(vertices)
+
+
+def _unit(vectors: FloatArray) -> FloatArray:
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)

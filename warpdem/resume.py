@@ -29,7 +29,8 @@ BODIES = (
     "listed_position",
     "listed_orientation",
 )
-# of the contacts that touched in the last force pass, packed
+# of the last force pass: of the pairs, and of the contacts that touched, packed
+PAIRS = ("touching", "force", "torque", "torque_partner")
 TOUCHING = ("which", "normal", "point", "gap")
 
 
@@ -53,7 +54,8 @@ def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray
     saved["contact_code"] = candidates.code.numpy()[kept]
     saved["contact_past"] = past[kept]
     saved["contact_rolled"] = candidates.rolled.numpy()[kept] if rolling else np.zeros((0, 4))
-    saved["pair_touching"] = pairs.touching.numpy()[:n].copy()
+    for name in PAIRS:
+        saved[f"pair_{name}"] = getattr(pairs, name).numpy()[:n].copy()
     place, _ = slots(lists)
     for name in TOUCHING:
         saved[f"touching_{name}"] = getattr(candidates, name).numpy()[place]
@@ -61,7 +63,12 @@ def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray
 
 
 def put_back(
-    state: State, lists: Lists, saved: dict[str, np.ndarray], *, orient: Callable[[], None]
+    state: State,
+    lists: Lists,
+    saved: dict[str, np.ndarray],
+    *,
+    orient: Callable[[], None],
+    contacts: bool,
 ) -> None:
     """Restore what ``arrays`` gave, in a simulation of the same scene."""
     bodies = state.bodies
@@ -69,15 +76,21 @@ def put_back(
         getattr(bodies, name).assign(saved[name])
     state.account.work.assign(saved["work"])
     state.account.power.assign(saved["power"])
-    bodies.position.assign(saved["listed_position"])
-    bodies.orientation.assign(saved["listed_orientation"])
+    if contacts:
+        bodies.position.assign(saved["listed_position"])
+        bodies.orientation.assign(saved["listed_orientation"])
+        orient()
+        _relist(state, lists, saved)
+        bodies.position.assign(saved["position"])
+        bodies.orientation.assign(saved["orientation"])
     orient()
+
+
+def _relist(state: State, lists: Lists, saved: dict[str, np.ndarray]) -> None:
+    """Make the lists where they were made, and lay into them what the contacts remember."""
     lists.skin = float(saved["skin"][0])
     lists.rebuild(adapt=False)
     lists.born = int(saved["born"][0])
-    bodies.position.assign(saved["position"])
-    bodies.orientation.assign(saved["orientation"])
-    orient()
     _remember(lists, saved)
     _touch(lists, saved)
     lists.spent = saved["spent"].copy()
@@ -90,11 +103,12 @@ def put_back(
 
 
 def _touch(lists: Lists, saved: dict[str, np.ndarray]) -> None:
-    """Put back what the last force pass found touching: it bounds the step, and shows in snapshots."""
+    """Put back what the last force pass found: it bounds the step, and shows in snapshots."""
     n = lists.pair_count
     if not n:
         return
-    lists.pairs.touching[:n].assign(saved["pair_touching"])
+    for name in PAIRS:
+        getattr(lists.pairs, name)[:n].assign(saved[f"pair_{name}"])
     place, _ = slots(lists)
     for name in TOUCHING:
         values = getattr(lists.candidates, name)

@@ -152,7 +152,8 @@ class Simulation:
         """Take up the state of a checkpoint of the same scene."""
         self._time, self.dt, self._next_dt, self._energy_start = map(float, arrays["clock"])
         self._time_steps = int(arrays["counts"][0])
-        resume.put_back(self._state, self._lists, arrays, orient=self._orient)
+        contacts = self.features.contacts
+        resume.put_back(self._state, self._lists, arrays, orient=self._orient, contacts=contacts)
         self._lists.rebuilds = int(arrays["counts"][2])
         self._state.clock.steps.fill_(int(arrays["counts"][1]))
         self._stepper.close()
@@ -226,6 +227,8 @@ class Simulation:
         if contacts and not self.features.gravity_first:
             self._launch(forces(model, state, lists, whole, 0.0))
             self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
+            self._examine_step()
+            self._lower_step()
         else:
             self._launch(kick(model, state, lists, whole, 0.0, contacts=False))
         self._make_stages()
@@ -304,13 +307,18 @@ class Simulation:
         square = float(self._square.numpy().max())
         return 2.0 / square**0.5 if square > 0 else float("inf")
 
-    def _change_step(self) -> None:
+    def _lower_step(self) -> None:
+        if self._next_dt == self.dt:
+            return
         self.notes.append(
             f"dt lowered from {self.dt:.4g} to {self._next_dt:.4g} s at t = {self.time:.4g} s: "
-            f"more contacts share a body than at the start"
+            f"more contacts share a body than foreseen"
         )
         self._time, self._time_steps = self.time, self.step_count
         self.dt = self._next_dt
+
+    def _change_step(self) -> None:
+        self._lower_step()
         self._stepper.close()
         self._make_stages()
 

@@ -10,6 +10,8 @@ from scenes import ball, body, laboratory, law, record
 PHASES = 8
 # times of contact until even balls with a strong dashpot have parted
 LASTING = 3
+# of balls that are to meet no floor [m]
+HIGH = 10.0
 RADIUS = 0.1
 
 
@@ -23,50 +25,68 @@ def rms(values):
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-class Collision:
-    """Overlap, approach and force of eight head-on collisions over time since the touch.
+def approaching(*, mass, other=None, rules, speed, dt, **run):
+    """Simulation of eight head-on collisions, and the time until each pair touches [s].
 
     Args:
-        mass: Of the ball that moves [kg].
-        other: Of the ball that it hits at rest, None for the floor [kg].
+        mass: Of the balls that move [kg].
+        other: Of the balls that they hit at rest, None for the floor [kg].
         rules: Law of contact.
         speed: Of the approach [m/s].
+        dt: Time step [s].
+        run: Further keys of the scene's run.
+    """
+    wait = dt * (np.arange(PHASES) + 0.5) / PHASES
+    base = 0.0 if other is None else HIGH + RADIUS
+    bodies = [
+        body("ball", [k, 0.0, base + RADIUS + gap], mass=mass, velocity=[0.0, 0.0, -speed])
+        for k, gap in enumerate(speed * wait)
+    ]
+    if other is not None:
+        bodies += [body("ball", [k, 0.0, HIGH], mass=other) for k in range(PHASES)]
+    return laboratory([ball("ball", RADIUS)], bodies, rules, dt=dt, **run), wait
+
+
+def restitution(*, speed, steps, duration, **collision):
+    """Speed of separation over that of approach, shape [phase_count], at so many steps a contact."""
+    simulation, _ = approaching(speed=speed, dt=duration / steps, **collision)
+    simulation.advance((LASTING + 2.0 / steps) * duration)
+    after = simulation.snapshot().velocity[:, 2]
+    under = after[PHASES : 2 * PHASES] if len(after) > PHASES + 1 else 0.0
+    return (after[:PHASES] - under) / speed
+
+
+class Collision:
+    """Overlap, approach and force of eight head-on collisions over the time since the touch.
+
+    Args:
+        speed, collision: As of ``approaching``.
         steps: In the time of contact.
         duration: Time of contact [s].
 
     Attributes:
         time: Since the touch [s], shape [shot_count, phase_count].
         overlap, approach, force: [m], [m/s], [N], same shape.
-        first, second: Velocities of the two balls along the approach at the end [m/s].
+        first, second: Velocities of the two balls along the approach at the end [m/s], shape
+            [phase_count].
         spent: What the dashpots took in all, by the simulation's account [J].
     """
 
-    def __init__(self, *, mass, other=None, rules, speed, steps, duration, **run):
-        dt = duration / steps
-        late = speed * dt * (np.arange(PHASES) + 0.5) / PHASES
-        base = 0.0 if other is None else 10.0 + RADIUS
-        bodies = [
-            body("ball", [k, 0.0, base + RADIUS + gap], mass=mass, velocity=[0.0, 0.0, -speed])
-            for k, gap in enumerate(late)
-        ]
-        if other is not None:
-            bodies += [body("ball", [k, 0.0, 10.0], mass=other) for k in range(PHASES)]
-        simulation = laboratory([ball("ball", RADIUS)], bodies, rules, dt=dt, **run)
+    def __init__(self, *, steps, duration, **collision):
+        simulation, wait = approaching(dt=duration / steps, **collision)
         shots = record(simulation, LASTING * steps + 2)
-        z, v = (
+        z, v, force = (
             np.array([getattr(shot, name)[:-1, 2] for shot in shots])
-            for name in ("position", "velocity")
+            for name in ("position", "velocity", "force")
         )
-        top, under = slice(0, PHASES), slice(PHASES, 2 * PHASES)
-        base = 0.0 if other is None else z[:, under]
-        self.time = np.array([shot.time for shot in shots])[:, None] - late / speed
-        self.overlap = base + RADIUS - z[:, top]
-        if other is not None:
-            self.overlap += RADIUS
-        self.approach = (v[:, under] if other is not None else 0.0) - v[:, top]
-        self.force = np.array([shot.force[top, 2] for shot in shots])
-        self.first = -v[-1, top]
-        self.second = -v[-1, under] if other is not None else np.zeros(PHASES)
+        self.time = np.array([shot.time for shot in shots])[:, None] - wait
+        self.overlap, self.approach = RADIUS - z[:, :PHASES], -v[:, :PHASES]
+        if z.shape[1] > PHASES:
+            self.overlap += z[:, PHASES:] + RADIUS
+            self.approach += v[:, PHASES:]
+        self.force = force[:, :PHASES]
+        self.first = -v[-1, :PHASES]
+        self.second = -v[-1, PHASES:] if z.shape[1] > PHASES else np.zeros(PHASES)
         self.spent = shots[-1].energy.dashpot
 
     def each(self, measure):

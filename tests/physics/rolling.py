@@ -81,11 +81,14 @@ def decay(*, spin, mur, beta, radius, g, kn, upright, until=None, steps=20):
         gravity=[0.0, 0.0, -g],
     )
     axis = 2 if upright else 1
-    time, rate = [0.0], [spin]
+    time, rate, pace = [0.0], [spin], 0.01
     while rate[-1] > 0.0 and time[-1] < (until or np.inf):
-        simulation.advance(time[-1] + 0.01)
+        simulation.advance(time[-1] + pace)
         shot = simulation.snapshot()
         time.append(shot.time)
         rate.append(shot.spin[0, axis])
+        # step by step near the end: the rolling spring swings back at once
+        if rate[-1] < 3.0 * (rate[-2] - rate[-1]):
+            pace = simulation.dt
     stop = np.interp(0.0, [rate[-1], rate[-2]], [time[-1], time[-2]])
     return {"deceleration": -np.polyfit(time[:-1], rate[:-1], 1)[0], "t_stop": stop}

@@ -7,7 +7,18 @@ contact, overlaps over v/w0, forces over the largest; rms over eight phases of t
 import numpy as np
 from analytic_row import averaged, compared, order_row
 from blocks import corner_impact
-from impacts import Collision, Grazing, bounces, largest_force, order_of, parting, release, rms, turning
+from impacts import (
+    Collision,
+    Grazing,
+    bounces,
+    largest_force,
+    order_of,
+    parting,
+    release,
+    restitution,
+    rms,
+    turning,
+)
 from scenes import law
 
 from warpdem.restitution import zeta_bilateral, zeta_clamped
@@ -20,24 +31,20 @@ def normal_impact(cases, _):
         yield from _normal(case["id"], case["params"], case["expected"])
 
 
-def _collision(params, duration, steps):
-    return Collision(
-        mass=params["m1"],
-        other=params["m2"],
-        rules=law(params["kn"], zeta=params["zeta"]),
-        speed=params["v_approach"],
-        steps=steps,
-        duration=duration,
-    )
-
-
 def _normal(name, params, x):
     speed, duration = params["v_approach"], x["t_force_zero_clamped"]
     mass, other = params["m1"], params["m2"]
     effective = params["kn"] / x["omega0"] ** 2
     length = speed / x["omega0"]
     energy = 0.5 * effective * speed**2
-    hit = _collision(params, duration, 50)
+    collision = {
+        "mass": mass,
+        "other": other,
+        "rules": law(params["kn"], zeta=params["zeta"]),
+        "speed": speed,
+        "duration": duration,
+    }
+    hit = Collision(steps=50, **collision)
     top, out = hit.each(turning), hit.each(release)
     lost = 0.5 * mass * (speed**2 - hit.first**2) - 0.5 * (other or 0.0) * hit.second**2
     got = {
@@ -51,13 +58,13 @@ def _normal(name, params, x):
         "energy_dissipated_clamped": (lost, energy),
     }
     if other is not None:
-        got |= {"v1_after": (hit.first, speed), "v2_after": (hit.second, speed)}
+        got["v1_after"] = hit.first, abs(x["v1_after"])
+        got["v2_after"] = hit.second, abs(x["v2_after"])
     for quantity, (values, unit) in got.items():
         yield averaged(name, quantity, values, x[quantity], unit=unit, gate=1e-3)
 
     def error(steps):
-        hit = _collision(params, duration, steps)
-        return rms((hit.second - hit.first) / speed - x["e_clamped"])
+        return rms(restitution(steps=steps, **collision) - x["e_clamped"])
 
     yield order_row(name, order_of(error, STEPS))
 
@@ -73,7 +80,7 @@ def restitution_inverse(cases, _):
             ("e delivered, bilateral zeta", "bilateral", x["zeta_bilateral"], realised),
         ):
             duration = _contact_time(zeta) / np.sqrt(1e5)
-            hit = Collision(
+            delivered = restitution(
                 mass=1.0,
                 rules=law(1e5, e=e),
                 speed=1.0,
@@ -81,7 +88,7 @@ def restitution_inverse(cases, _):
                 duration=duration,
                 restitution=how,
             )
-            yield averaged(name, quantity, -hit.first, wanted, gate=1e-3)
+            yield averaged(name, quantity, delivered, wanted, gate=1e-3)
 
 
 def _contact_time(zeta):
@@ -156,7 +163,7 @@ def spin_impact(cases, _):
         for quantity, values, unit in (
             ("vn_after", hit.rebound, speed),
             ("vt_after", hit.along, speed),
-            ("omega_after", -hit.turning / params["R"], speed / params["R"]),
+            ("omega_after", hit.turning / params["R"], speed / params["R"]),
             ("u_contact_after", -hit.slip, speed),
         ):
             yield averaged(name, quantity, values, x[quantity], unit=unit, gate=1e-3)
