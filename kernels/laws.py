@@ -34,12 +34,11 @@ class Laws(NamedTuple):
 
 @functools.cache
 def normal_law(laws: Laws) -> wp.Function:
-    """Function of the normal force: stored fn, and its part that acts on the bodies [N]."""
+    """Function of the normal force [N], and of the part of the step for which it was there."""
 
     @wp.func
     def lagged(motion: Kinematics, k: real, d: real, tau: real, beta: real, fn_old: real, dt: real):
-        fn = hooke(k, d, tau, motion.approach)
-        return fn, fn, real(1.0)
+        return hooke(k, d, tau, motion.approach), real(1.0)
 
     @wp.func
     def predicted(
@@ -49,12 +48,12 @@ def normal_law(laws: Laws) -> wp.Function:
         phi = real(1.0)
         if fn_old < real(0.0):
             phi = onset(d, motion.approach, dt)
-        if phi == real(1.0):
-            return fn, fn, phi
-        # the dashpot acts for phi dt before and dt / 2 after this instant
-        free = (k * (d + tau * motion.approach_end)) / (real(1.0) + beta)
-        acting = wp.max(k * d + (real(0.5) + phi) * (free - k * d), real(0.0))
-        return fn, acting, phi
+        if phi < real(1.0):
+            # the dashpot acts for phi dt before and dt / 2 after this instant; friction and the
+            # next prediction see the same force, or their impulses are of first order
+            free = (k * (d + tau * motion.approach_end)) / (real(1.0) + beta)
+            fn = wp.max(k * d + (real(0.5) + phi) * (free - k * d), real(0.0))
+        return fn, phi
 
     return predicted if laws.predicted else lagged
 
@@ -153,7 +152,7 @@ def apply_laws(laws: Laws) -> wp.Function:
         overlap = -candidates.gap[slot]
         past = candidates.past[c]
         motion = motion_at(bodies, i, j, d, normal, point, dt)
-        fn, acting, phi = normal_force(motion, law.kn, overlap, tau, beta, past[3], dt)
+        fn, phi = normal_force(motion, law.kn, overlap, tau, beta, past[3], dt)
         lasted = real(0.5) + phi
         if phi == real(1.0):
             lasted = real(1.0)
@@ -161,7 +160,14 @@ def apply_laws(laws: Laws) -> wp.Function:
         if wp.static(laws.account):
             elastic = law.kn * overlap
             account[0] = real(0.5) * elastic * overlap
-            account[1] = (acting - elastic) * motion.approach_end * dt
+            approach = motion.approach_end
+            if wp.static(laws.predicted and laws.damped):
+                # as the force of this step leaves it, not the one of the last
+                if tau > real(0.0):
+                    renewed = wp.max(past[3], real(0.0)) - fn
+                    approach += renewed * beta / (law.kn * tau)
+            account[1] = (fn - elastic) * approach * dt
+        acting = fn
         if wp.static(laws.cohesion):
             acting -= law.fc * lasted
             if wp.static(laws.account):

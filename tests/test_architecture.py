@@ -14,6 +14,7 @@ DEVICE_SIDE = {
     "build",
     "compile",
     "device_shapes",
+    "devices",
     "lists",
     "model",
     "observe",

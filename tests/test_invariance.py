@@ -67,6 +67,17 @@ def test_pauses_of_the_clock_do_not_change_a_run():
     assert same(paused, run(heap(2), UNTIL))
 
 
+def test_pauses_do_not_change_which_step_is_the_last():
+    dt = 0.2 / 827.0  # 0.9 s lies in the middle of two steps, but for rounding
+    counts = set()
+    for pause in (0.1, 0.3, 0.57, 0.85, 0.9):
+        simulation = start([{"shape": "cube", "position": [0.0, 0.0, 0.0]}], dt=dt)
+        simulation.advance(pause)
+        simulation.advance(0.9)
+        counts.add(simulation.step_count)
+    assert len(counts) == 1
+
+
 def test_rotated_and_shifted_scene_moves_alike():
     turn, shift = unit(np.array([0.3, -0.5, 0.7, 0.4])), np.array([3.0, -2.0, 5.0])
     bodies = heap(1, 5)

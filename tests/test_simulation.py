@@ -6,7 +6,7 @@ from colliding import FLOOR, LAW, heap, run, same, scene, strips
 
 from warpdem.errors import UnstableError, WarpdemError
 from warpdem.scene import Scene
-from warpdem.simulation import Simulation, find_device
+from warpdem.simulation import Simulation
 from warpdem.timestep import masses
 
 STATIC = {"shape": "cube", "position": [0.0, 0.0, 0.499975]}
@@ -183,7 +183,7 @@ def test_body_too_fast_for_its_step_is_named_before_it_jumps_through_a_wall():
 @pytest.mark.parametrize("name", ["cuda:99", "tpu"])
 def test_unknown_device_is_told_with_those_there_are(name):
     with pytest.raises(WarpdemError, match=f'run.device = "{name}".*there are: .*cpu'):
-        find_device(name)
+        Simulation(scene([FLOOR]), device=name)
 
 
 def test_report_tells_what_was_built_and_done():

@@ -83,9 +83,7 @@ def terrain_cones(core: Core, edges: IntArray) -> tuple[IntArray, FloatArray]:
     return start, np.concatenate([planes, of_edges])
 
 
-def _vertex_planes(
-    core: Core, edges: IntArray, normals: FloatArray
-) -> tuple[IntArray, FloatArray]:
+def _vertex_planes(core: Core, edges: IntArray, normals: FloatArray) -> tuple[IntArray, FloatArray]:
     """Vertex and vector of each plane of the vertex cones, sorted by vertex."""
     along = core.vertices[edges[:, 1]] - core.vertices[edges[:, 0]]
     along /= np.linalg.norm(along, axis=1, keepdims=True)

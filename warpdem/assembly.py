@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem import coplanar, mend
-from warpdem.activity import side_of_edges
+from warpdem.activity import borders, side_of_edges
 from warpdem.core import Core
+from warpdem.crossing import crossing
 from warpdem.errors import GeometryError
 from warpdem.facets import Facets, facets_of, twins
 from warpdem.orient import closed_parts, consistent_turns, inward_facets, part_volumes
+from warpdem.polygon import triangulated
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -75,8 +77,9 @@ def _checked_facets(faces: IntArray | Sequence[Sequence[int]], points: FloatArra
         raise GeometryError(f"face {short[0]} has fewer than three corners; give an edge instead")
     unknown = facets.owner[(facets.sides[:, 0] < 0) | (facets.sides[:, 0] >= len(points))]
     if len(unknown):
-        raise GeometryError(f"face {unknown[0]} names a vertex that is not among 0 to "
-                            f"{len(points) - 1}")
+        raise GeometryError(
+            f"face {unknown[0]} names a vertex that is not among 0 to {len(points) - 1}"
+        )
     order = np.lexsort((facets.sides[:, 0], facets.owner))
     same = (np.diff(facets.sides[order, 0]) == 0) & (np.diff(facets.owner[order]) == 0)
     if same.any():
@@ -96,8 +99,9 @@ def checked_edges(edges: IntArray | Sequence[Sequence[int]], vertex_count: int) 
     segments = np.array(edges, np.int64).reshape(-1, 2)
     wrong = (segments < 0).any(axis=1) | (segments >= vertex_count).any(axis=1)
     if wrong.any():
-        raise GeometryError(f"edge {np.argmax(wrong)} names a vertex that is not among 0 to "
-                            f"{vertex_count - 1}")
+        raise GeometryError(
+            f"edge {np.argmax(wrong)} names a vertex that is not among 0 to {vertex_count - 1}"
+        )
     if (loop := segments[:, 0] == segments[:, 1]).any():
         raise GeometryError(f"edge {np.argmax(loop)} begins and ends in the same vertex")
     return segments
@@ -166,6 +170,21 @@ def _check_planes(core: Core) -> None:
         )
 
 
+def check_crossing(core: Core) -> None:
+    """Refuse a closed surface that crosses itself: what it encloses is not defined.
+
+    Raises:
+        GeometryError: An edge passes through a face.
+    """
+    triangles, _ = triangulated(core.vertices, core.facets, core.normals, convex_faces(core))
+    point = crossing(core.vertices, borders(core.facets), triangles)
+    if point is not None:
+        raise GeometryError(
+            f"the surface crosses itself at {_place(point)}; mend the mesh, split it into several "
+            "bodies, or declare volume and inertia_over_mass"
+        )
+
+
 def _place(point: FloatArray) -> str:
     return "(" + ", ".join(f"{x:.6g}" for x in point) + ")"
 
@@ -177,25 +196,20 @@ def is_convex(core: Core) -> bool:
     part, _ = closed_parts(core.facets, core.twin)
     if part.max() > 0 or len(core.wires) or len(core.points) or (core.side_angles < -1e-6).any():
         return False
-    tolerance = 1e-6 * mend.extent(core.vertices)
-    offset = np.einsum("ij,ij->i", core.vertices[_first_vertices(core)], core.normals)
-    rows = max(1, 4_000_000 // len(core.vertices))
+    # convex edges alone do not tell a star that winds twice; of large meshes every n-th plane does
+    step = max(1, core.facets.count * len(core.vertices) // 100_000_000)
+    base = core.vertices[core.facets.sides[core.facets.start[:-1], 0]]
+    offset = np.einsum("ij,ij->i", base, core.normals) + 1e-6 * mend.extent(core.vertices)
     return all(
-        np.all(core.normals[k : k + rows] @ core.vertices.T <= offset[k : k + rows, None] + tolerance)
-        for k in range(0, core.facets.count, rows)
+        (core.vertices @ core.normals[facet]).max() <= offset[facet]
+        for facet in range(0, core.facets.count, step)
     )
-
-
-def _first_vertices(core: Core) -> IntArray:
-    return core.facets.sides[core.facets.start[:-1], 0]
 
 
 def _is_convex_plate(core: Core) -> bool:
     """A single point, segment or convex polygon."""
     kinds = (core.facets.count, len(core.wires), len(core.points))
-    return kinds in {(0, 0, 1), (0, 1, 0)} or (
-        kinds == (1, 0, 0) and bool(convex_faces(core)[0])
-    )
+    return kinds in {(0, 0, 1), (0, 1, 0)} or (kinds == (1, 0, 0) and bool(convex_faces(core)[0]))
 
 
 def convex_faces(core: Core) -> BoolArray:

@@ -84,9 +84,7 @@ def _longest_sides(core: Core) -> IntArray:
     return order[core.facets.start[:-1]]
 
 
-def _flat_faces(
-    vertices: FloatArray, facets: Facets, face: IntArray, size: float
-) -> IntArray:
+def _flat_faces(vertices: FloatArray, facets: Facets, face: IntArray, size: float) -> IntArray:
     """The sets of facets, those that are not flat taken apart again."""
     area = area_vectors(vertices, facets)
     normal = np.stack([np.bincount(face, part, minlength=facets.count) for part in area.T], axis=1)
@@ -155,7 +153,12 @@ def _loops(vertices: FloatArray, sides: IntArray, normal: FloatArray) -> list[li
 
 
 def _leftmost(
-    vertices: FloatArray, sides: IntArray, *, side_in: int, choices: Sequence[int], normal: FloatArray
+    vertices: FloatArray,
+    sides: IntArray,
+    *,
+    side_in: int,
+    choices: Sequence[int],
+    normal: FloatArray,
 ) -> int:
     """Of the sides that leave a vertex, the one that turns most to the left."""
     vertex = sides[choices[0], 0]

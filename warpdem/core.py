@@ -139,9 +139,7 @@ class Core:
         border = self.twin < 0
         along = self.vertices[self.wires[:, 1]] - self.vertices[self.wires[:, 0]]
         along /= np.linalg.norm(along, axis=1, keepdims=True)
-        starts = np.concatenate(
-            [sides[:, 0], sides[border, 1], self.wires[:, 0], self.wires[:, 1]]
-        )
+        starts = np.concatenate([sides[:, 0], sides[border, 1], self.wires[:, 0], self.wires[:, 1]])
         spokes = np.concatenate([directions, -directions[border], along, -along])
         convex = np.ones(len(starts), bool)
         convex[: len(sides)] = (self.side_angles > 0.0) | (not self.closed)

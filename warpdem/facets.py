@@ -96,7 +96,8 @@ class Facets:
             return self
         length = np.diff(self.start)[kept]
         return Facets(
-            np.concatenate([[0], np.cumsum(length)]), self.sides[np.repeat(kept, np.diff(self.start))]
+            np.concatenate([[0], np.cumsum(length)]),
+            self.sides[np.repeat(kept, np.diff(self.start))],
         )
 
 

@@ -82,7 +82,7 @@ def _kinds(
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Shape number, homothety and bounding radius of ``count`` bodies."""
     number = {name: k for k, name in enumerate(shapes)}
-    weights = np.array(fill.weights if fill.weights else [1.0] * len(fill.shapes))
+    weights = np.array(fill.weights or [1.0] * len(fill.shapes))
     choice = generator.choice(len(fill.shapes), count, p=weights / weights.sum())
     scale = drawn(fill.size, count, generator)
     bound = np.array([shapes[name].bound for name in fill.shapes])

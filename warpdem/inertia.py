@@ -71,9 +71,7 @@ def enclosed(vertices: FloatArray, facets: Facets) -> Moments:
     corner_sum = a + b + c
     second = _outer(corner_sum, corner_sum, determinant)
     second += sum(_outer(x, x, determinant) for x in (a, b, c))
-    return Moments(
-        float(determinant.sum()) / 6.0, determinant @ corner_sum / 24.0, second / 120.0
-    )
+    return Moments(float(determinant.sum()) / 6.0, determinant @ corner_sum / 24.0, second / 120.0)
 
 
 def _fan(vertices: FloatArray, facets: Facets) -> tuple[FloatArray, FloatArray, FloatArray]:

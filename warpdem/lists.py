@@ -88,7 +88,7 @@ class Lists:
         self.rebuilds += 1
 
     def _adapt_skin(self) -> None:
-        """A wider skin where bodies are fast and few, a narrower one where they are slow and many."""
+        """A wider skin where bodies are fast and few, a narrower one where slow and many."""
         step = int(self._state.clock.steps.numpy()[0])
         lasted, self.born = step - self.born, step
         if not self._model.skin_adapts or self.rebuilds == 0:

@@ -169,3 +169,24 @@ def fault(model: Model, state: State, dt: float) -> tuple[int, str]:
         return int(bad[0]), "has no finite velocity (NaN)"
     body = int(np.argmax(reach))
     return body, f"moves {reach[body]:.3g} times its own size in one step"
+
+
+def sunk(model: Model, lists: Lists) -> list[tuple[int, int, float]]:
+    """Body pairs whose cores have met: i, j and their overlap [m], deepest contact of each.
+
+    Beyond the sum of the roundings an edge or a vertex may leave on the wrong side.
+    """
+    place, pair = slots(lists)
+    if not len(place):
+        return []
+    radius = model.geometry.radius.numpy()
+    owner, partner = lists.pairs.owner.numpy()[pair], lists.pairs.partner.numpy()[pair]
+    overlap = -lists.candidates.gap.numpy()[place]
+    reach = radius[owner] + radius[partner]
+    # sharp bodies have no rounding to exceed
+    deep = np.flatnonzero((overlap > reach) & (reach > 0.0))
+    worst: dict[tuple[int, int], float] = {}
+    for k in deep:
+        key = (int(owner[k]), int(partner[k]))
+        worst[key] = max(worst.get(key, 0.0), float(overlap[k]))
+    return [(i, j, depth) for (i, j), depth in worst.items()]

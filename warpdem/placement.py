@@ -126,9 +126,7 @@ def _density(scene: Scene, entry: Body | Fill) -> float:
     return entry.density or of_group.get(entry.group) or 0.0
 
 
-def _given(
-    scene: Scene, shapes: Mapping[str, Polyhedron], groups: tuple[str, ...]
-) -> Placement:
+def _given(scene: Scene, shapes: Mapping[str, Polyhedron], groups: tuple[str, ...]) -> Placement:
     """The bodies given one by one; a body's position is that of its shape's own origin."""
     bodies = scene.body
     number = {name: k for k, name in enumerate(shapes)}
@@ -158,9 +156,7 @@ def _rows(values: list[FloatArray] | list[tuple[float, ...]], width: int) -> Flo
     return np.array(values, float).reshape(-1, width)
 
 
-def _generated(
-    scene: Scene, index: int, made: Filled, groups: tuple[str, ...]
-) -> Placement:
+def _generated(scene: Scene, index: int, made: Filled, groups: tuple[str, ...]) -> Placement:
     """The bodies of a fill."""
     fill = scene.fill[index]
     count = len(made.shape)

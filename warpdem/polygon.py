@@ -42,9 +42,7 @@ def triangulated(
     return np.concatenate(triangles)[order], owners[order]
 
 
-def ear_clipped(
-    vertices: FloatArray, loops: Sequence[IntArray], normal: FloatArray
-) -> IntArray:
+def ear_clipped(vertices: FloatArray, loops: Sequence[IntArray], normal: FloatArray) -> IntArray:
     """Triangles of one polygon with holes.
 
     Args:
@@ -108,9 +106,7 @@ def _visible(plane: FloatArray, ring: list[int], vertex: int) -> int:
     return _nearest_blocking(points, np.array([x, y]), hit, corner)
 
 
-def _nearest_blocking(
-    points: FloatArray, origin: FloatArray, hit: FloatArray, corner: int
-) -> int:
+def _nearest_blocking(points: FloatArray, origin: FloatArray, hit: FloatArray, corner: int) -> int:
     """The corner, or the reflex one inside origin-hit-corner with the least angle to the ray."""
     tip = points[corner]
     triangle = [origin, hit, tip] if tip[1] > origin[1] else [origin, tip, hit]

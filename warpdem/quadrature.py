@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 
 _TOLERANCE = 1e-6  # aimed at, of volume and least inertia
 _SHARES = 500  # cells among which the tolerance is shared evenly
-_BUDGET = 150_000  # cells examined at most
+_BUDGET = 300_000  # cells of each kind examined at most: some ten seconds
 _CHUNK = 300_000  # rays times triangles held at once
+_HIDDEN = 1e-7  # least error admitted: what samples may have missed altogether
 _KINK = 0.002  # of a cell's largest value: its error where only some of its rays are cut short
 _ABOVE = 1e-9  # of the size: facets that rise less above a plane lie in it
 
@@ -49,6 +50,8 @@ def overlapping_properties(core: Core, radius: float) -> MassProperties:
     mass = mass_properties(swept - twice)
     least = float(np.linalg.eigvalsh(mass.inertia_over_mass)[0])
     relative = max(error[0], 2.0 * error[4:].max() / least) / mass.volume
+    if twice.volume > 0.0:
+        relative = max(relative, _HIDDEN)
     return MassProperties(
         mass.volume * size**3,
         mass.centre * size + origin,
@@ -75,9 +78,7 @@ def _overlap(core: Core, radius: float, swept: Moments) -> tuple[Moments, FloatA
     return Moments(float(total[0]), total[1:4], second), error
 
 
-def _integrated(
-    ground: _Ground, cells: Cells, limit: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _integrated(ground: _Ground, cells: Cells, limit: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Integral over all cells and its error, dividing those whose parts disagree with them."""
     total, error = np.zeros(10), np.zeros(10)
     parents = ground.near(cells)
@@ -96,7 +97,7 @@ def _integrated(
         coarse &= ~cut | (np.diff(parents.start) > 1)
         done = ~coarse & (gap <= limit).all(axis=1)
         if spent > _BUDGET:
-            gap[coarse] = np.maximum(gap[coarse], whole[coarse, None])
+            gap[coarse] = np.maximum(gap[coarse], whole[coarse, None] * parents.scale[coarse])
             done[:] = True
         total += summed[done].sum(axis=0)
         error += gap[done].sum(axis=0)
@@ -130,33 +131,40 @@ class _Ground:
 
     def culled(self, cells: Cells, cell: IntArray, triangle: IntArray) -> Cells:
         """All cells with those of the triangles, given by pairs, that may cut a ray short."""
-        kept = [
-            self._may_cut(cells, cell[k : k + _CHUNK], triangle[k : k + _CHUNK])
-            for k in range(0, len(cell), _CHUNK)
-        ]
-        chosen = np.concatenate([np.zeros(0, bool), *kept])
+        kept = [np.zeros(0, np.int64)]
+        for k in range(0, len(cell), _CHUNK):
+            own, other = cell[k : k + _CHUNK], triangle[k : k + _CHUNK]
+            pair = np.arange(len(own))
+            for may_cut in (self._meets_planes, self._meets_balls):
+                pair = pair[may_cut(cells, own[pair], other[pair])]
+            kept.append(k + pair)
+        chosen = np.concatenate(kept)
         return cells.with_triangles(cell[chosen], triangle[chosen])
 
-    def _may_cut(self, cells: Cells, own: IntArray, triangle: IntArray) -> BoolArray:
-        """Whether triangles may meet the balls of radius R on the rays of cells."""
+    def _meets_planes(self, cells: Cells, own: IntArray, triangle: IntArray) -> BoolArray:
+        """Triangles that rise along some ray, with some ball of radius R across their plane."""
+        other = self._triangles[triangle]
+        base, direction = (rays[own] for rays in cells.corner_rays)
+        offset = base + self.radius * direction - other[:, :1]
+        height = np.einsum("nki,ni->nk", offset, self._normals[triangle])
+        clear = (self.radius * (2.0 - cells.spread[own]) * (1.0 - 1e-12))[:, None]
+        apart = (height >= clear).all(axis=1) | (height <= -clear).all(axis=1)
+        return ~apart & (cells.rise(own, other) > _ABOVE)
+
+    def _meets_balls(self, cells: Cells, own: IntArray, triangle: IntArray) -> BoolArray:
+        """Triangles that may meet balls of radius R through the rays' origins.
+
+        They meet the ball that holds all these; and one through x and y has the radius
+        |y - x|^2 / 2 n . (y - x).
+        """
         other = self._triangles[triangle]
         centre, spread = cells.ends(self.radius)
-        may = distances(centre[own], other) < self.radius + spread[own]
-        # a ball through x and y has the radius |y - x|^2 / 2 n . (y - x)
-        base, direction = (rays[own] for rays in cells.corner_rays)
+        near = distances(centre[own], other) < self.radius + spread[own]
+        base = cells.corner_rays[0][own]
         middle = base.mean(axis=1)
         width = np.linalg.norm(base - middle[:, None], axis=2).max(axis=1)
         least = np.maximum(distances(middle, other) - width, 0.0)
-        rise = cells.rise(own, other)
-        may &= (rise > _ABOVE) & (least**2 < 2.0 * self.radius * rise)
-        # balls on one side of the triangle's plane
-        normal = self._normals[triangle]
-        offset = base + self.radius * direction - other[:, :1]
-        height = np.einsum("nki,ni->nk", offset, normal)
-        clear = self.radius * (2.0 - cells.spread[own]) * (1.0 - 1e-12)
-        return may & ~(
-            (height >= clear[:, None]).all(axis=1) | (height <= -clear[:, None]).all(axis=1)
-        )
+        return near & (least**2 < 2.0 * self.radius * cells.rise(own, other))
 
     def quartered(self, cells: Cells) -> Cells:
         """Four cells for each, one after the other, with those of its triangles that matter."""
@@ -198,15 +206,11 @@ class _Ground:
         ]
         doubt = _KINK * weights.sum(axis=1) * powers[0].max(axis=1)
         doubt[~kinked] = 0.0
-        place = np.linalg.norm(base, axis=2).max(axis=1) + self.radius
-        scale = np.column_stack([np.ones_like(place), *[place] * 3, *[place**2] * 6])
         values = _moments(base, direction, [weights * power for power in powers])
-        return values, doubt[:, None] * scale, ~whole.any(axis=1)
+        return values, doubt[:, None] * cells.scale, ~whole.any(axis=1)
 
 
-def _moments(
-    base: FloatArray, direction: FloatArray, weights: list[FloatArray]
-) -> FloatArray:
+def _moments(base: FloatArray, direction: FloatArray, weights: list[FloatArray]) -> FloatArray:
     """Sums of 1, x, y, z, xx, xy, ... zz over rays x + t n, shape [cell_count, 10].
 
     Args:

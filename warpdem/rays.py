@@ -18,7 +18,11 @@ if TYPE_CHECKING:
 _NEAR = [(6.0 - np.sqrt(15.0)) / 21.0, (6.0 + np.sqrt(15.0)) / 21.0]
 _POINTS = np.array(
     [[1.0 / 3.0] * 3]
-    + [[1.0 - 2.0 * x if k == corner else x for k in range(3)] for x in _NEAR for corner in range(3)]
+    + [
+        [1.0 - 2.0 * x if k == corner else x for k in range(3)]
+        for x in _NEAR
+        for corner in range(3)
+    ]
     + (1e-4 + (1.0 - 3e-4) * np.eye(3)).tolist()
 )
 _WEIGHTS = np.repeat([270.0, 155.0 - np.sqrt(15.0), 155.0 + np.sqrt(15.0), 0.0], [1, 3, 3, 3])
@@ -92,6 +96,12 @@ class Cells:
             height /= 2.0 * self.measure
             weights = weights * height[:, None] / np.linalg.norm(points, axis=-1) ** 3
         return points, weights
+
+    @cached_property
+    def scale(self) -> FloatArray:
+        """Size of 1, x, y, z, xx, xy, ... zz where the rays begin, shape [cell_count, 10]."""
+        place = np.linalg.norm(self.corner_rays[0], axis=2).max(axis=1)
+        return place[:, None] ** np.repeat([0, 1, 2], [1, 3, 6])
 
     @cached_property
     def spread(self) -> FloatArray:
@@ -221,9 +231,7 @@ def _cut_at_folds(
     return corners, normals[face]
 
 
-def _cut(
-    corners: FloatArray, face: IntArray, height: FloatArray
-) -> tuple[FloatArray, IntArray]:
+def _cut(corners: FloatArray, face: IntArray, height: FloatArray) -> tuple[FloatArray, IntArray]:
     """Triangles cut where a linear function, given at their corners, changes sign."""
     above = height > 0.0
     crossed = above.any(axis=1) & ~above.all(axis=1)
@@ -252,7 +260,9 @@ def edge_cells(core: Core) -> Cells:
     count = np.maximum(1, np.ceil(2.0 * arcs.half / (0.25 * np.pi) - 1e-9)).astype(np.int64)
     edge = np.repeat(np.arange(len(count)), count)
     step = 2.0 * arcs.half[edge] / count[edge]
-    low = -arcs.half[edge] + step * (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count))
+    low = -arcs.half[edge] + step * (
+        np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
+    )
     zero, far = np.zeros(len(edge)), length[edge]
     corner = [
         np.column_stack([s, phi, zero])

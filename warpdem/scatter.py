@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     Blocked = Callable[[FloatArray, FloatArray], BoolArray]
 
 _APART = 1.0 + 1e-9  # balls that would just touch keep apart by rounding
+# few, since a ball that loses its place to another of the round has spent them all
+_TRIES_A_ROUND = 4
 _TRIES = 100  # random places a ball may try on the average
 _BATCH = 4000  # places tried at once at least
 
@@ -64,9 +66,7 @@ class _Layer:
         return touched
 
 
-def lattice(
-    low: FloatArray, high: FloatArray, radius: float, spacing: float
-) -> FloatArray:
+def lattice(low: FloatArray, high: FloatArray, radius: float, spacing: float) -> FloatArray:
     """Sites of a simple cubic lattice of balls inside a box, x fastest, from its lowest corner.
 
     Args:
@@ -86,8 +86,9 @@ def lattice(
         return np.zeros((0, 3))
     steps = np.maximum(steps, 0)
     x, y, z = (
-        low[axis] + radius + np.minimum(pitch, max(free[axis], 0.0) / max(1, steps[axis]))
-        * np.arange(steps[axis] + 1)
+        low[axis]
+        + radius
+        + np.minimum(pitch, max(free[axis], 0.0) / max(1, steps[axis])) * np.arange(steps[axis] + 1)
         for axis in range(3)
     )
     sites = np.stack(np.meshgrid(z, y, x, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -125,7 +126,8 @@ def random_places(
     # balls of a size within a factor two take their turn together
     octave = np.floor(np.log2(radii[order] / radii[order].max(initial=1e-300)))
     for group in np.split(order, np.flatnonzero(np.diff(octave)) + 1):
-        _scatter(generator, (low, high), radii, group, (centres, placed), balls, blocked)
+        region, result = (low, high), (centres, placed)
+        _scatter(generator, region, radii, group, result=result, balls=balls, blocked=blocked)
     return centres, placed
 
 
@@ -134,6 +136,7 @@ def _scatter(
     box: tuple[FloatArray, FloatArray],
     radii: FloatArray,
     group: IntArray,
+    *,
     result: tuple[FloatArray, BoolArray],
     balls: Balls,
     blocked: Blocked,
@@ -143,7 +146,8 @@ def _scatter(
     budget = _TRIES * len(group)
     largest = float(radii[group].max(initial=0.0))
     while len(group) and budget > 0:
-        tries = np.repeat(group, max(1, min(_BATCH // len(group), budget // len(group))))
+        share = min(_BATCH // len(group), budget // len(group), _TRIES_A_ROUND)
+        tries = np.repeat(group, max(1, share))
         budget -= len(tries)
         reach = radii[tries]
         low, high = box[0] + reach[:, None], box[1] - reach[:, None]

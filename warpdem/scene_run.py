@@ -53,7 +53,7 @@ class Numerics(Section):
 
     rolling_arm: Literal["length", "branch"] = "length"
     """Arm of the rolling cap: "length", mur is a length [m]; "branch", mur is a number that
-    multiplies the distance from the centre of mass to the contact."""
+    multiplies the distance of the two centres of mass, or of the only free one from the contact."""
 
 
 ROCKABLE = Numerics(

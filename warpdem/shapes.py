@@ -29,10 +29,32 @@ if TYPE_CHECKING:
 Declared = tuple[float, tuple[float, ...]]
 
 _CORNERS = np.array(
-    [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
+    [
+        [-1, -1, -1],
+        [1, -1, -1],
+        [1, 1, -1],
+        [-1, 1, -1],
+        [-1, -1, 1],
+        [1, -1, 1],
+        [1, 1, 1],
+        [-1, 1, 1],
+    ],
     float,
 )
-_BOX_EDGES = [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
+_BOX_EDGES = [
+    [0, 1],
+    [1, 2],
+    [2, 3],
+    [3, 0],
+    [4, 5],
+    [5, 6],
+    [6, 7],
+    [7, 4],
+    [0, 4],
+    [1, 5],
+    [2, 6],
+    [3, 7],
+]
 _BOX_FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
 
 
@@ -70,7 +92,11 @@ def _declared(shape: BoxShape | PolyhedronShape | MeshShape | ShpShape) -> Decla
 
 
 def box(
-    name: str, size: FloatArray | tuple[float, ...], radius: float, *, declared: Declared | None = None
+    name: str,
+    size: FloatArray | tuple[float, ...],
+    radius: float,
+    *,
+    declared: Declared | None = None,
 ) -> Polyhedron:
     """A rounded box about its origin; a plate, capsule or sphere where the rounding fills it.
 

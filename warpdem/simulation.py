@@ -13,7 +13,8 @@ from warpdem import observe, resume
 from warpdem.build import build
 from warpdem.check import build_shapes
 from warpdem.compile import load
-from warpdem.errors import UnstableError, WarpdemError
+from warpdem.devices import find_device
+from warpdem.errors import UnstableError
 from warpdem.features import features_of, stage_names
 from warpdem.kernels.integrate import orient
 from warpdem.kernels.measures import frequency_bound
@@ -84,11 +85,13 @@ class Simulation:
         self._time_steps = 0
         self._next_dt = self.dt
         self._warned = False
+        self._sunk: set[tuple[int, int]] = set()
         self._chunk = 1
         self.compile_seconds = 0.0
         self.loop_seconds = 0.0
         self._compile(progress or (lambda _: None))
         self._first_forces()
+        self._note_sunk()
         self._energy_start = observe.total_energy(self._model, self._state, self._lists)
 
     @property
@@ -107,7 +110,7 @@ class Simulation:
         return self._time + (self.step_count - self._time_steps) * self.dt
 
     def advance(self, until: float, *, stop: Callable[[], bool] | None = None) -> None:
-        """Step to the first step at or after ``until`` [s]; return early where ``stop`` says so.
+        """Go to the step nearest ``until`` [s]; return early where ``stop`` says so.
 
         Raises:
             UnstableError: A body flew off or became NaN.
@@ -125,6 +128,7 @@ class Simulation:
                     self._chunk = max(self._chunk // 2, 1)
         finally:
             self.loop_seconds += time.perf_counter() - begin
+        self._note_sunk()
 
     def snapshot(self, *, contacts: bool = False) -> Snapshot:
         """The state now, on the host."""
@@ -234,7 +238,12 @@ class Simulation:
         self._make_stages()
 
     def _steps_to(self, until: float) -> int:
-        return int(np.ceil((until - self.time) / self.dt - 0.5))
+        """Steps left to the one nearest ``until``.
+
+        Counted from the last change of dt: rounding must not make it depend on where a run paused.
+        """
+        goal = self._time_steps + int(np.ceil((until - self._time) / self.dt - 0.5))
+        return goal - self.step_count
 
     def _run(self, count: int) -> None:
         """``count`` whole steps, fewer when the step size has to change."""
@@ -271,6 +280,17 @@ class Simulation:
             body=name,
             time=self.time,
         )
+
+    def _note_sunk(self) -> None:
+        """Name, once, the bodies whose cores have met."""
+        for i, j, depth in observe.sunk(self._model, self._lists):
+            if (i, j) not in self._sunk:
+                self._sunk.add((i, j))
+                names = self.placement.names
+                self.notes.append(
+                    f'bodies "{names[i]}" and "{names[j]}" overlap by {depth:.3g} m at '
+                    f"t = {self.time:.4g} s, more than their roundings: raise kn, or the rounding"
+                )
 
     def _examine_step(self) -> None:
         """Hold the step against the stiffness of the contacts that the old lists saw."""
@@ -321,20 +341,3 @@ class Simulation:
         self._lower_step()
         self._stepper.close()
         self._make_stages()
-
-
-def find_device(name: str) -> Any:
-    """The Warp device of a name.
-
-    Raises:
-        WarpdemError: There is no such device.
-    """
-    wp.config.log_level = wp.LOG_ERROR if hasattr(wp, "LOG_ERROR") else 40
-    wp.init()
-    if name == "auto":
-        return wp.get_preferred_device()
-    try:
-        return wp.get_device(name)
-    except (ValueError, RuntimeError) as cause:
-        known = ", ".join(str(device) for device in wp.get_devices())
-        raise WarpdemError(f'run.device = "{name}": no such device; there are: {known}') from cause

@@ -39,9 +39,7 @@ def drawn(size: Size, count: int, generator: np.random.Generator) -> FloatArray:
             return _power(share, size.exponent, size.min, size.max)
 
 
-def _cut_normal(
-    share: FloatArray, mean: float, sd: float, low: float, high: float
-) -> FloatArray:
+def _cut_normal(share: FloatArray, mean: float, sd: float, low: float, high: float) -> FloatArray:
     """Quantiles of a normal distribution cut at two bounds."""
     first, last = np.clip([(low - mean) / sd, (high - mean) / sd], -_TAIL, _TAIL)
     place = np.linspace(first, last, _TABLE)

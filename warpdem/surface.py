@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -68,6 +69,10 @@ class _Drawing:
             corners = [p for p, q in ((a, d), (b, a), (c, b), (d, c)) if p != q]
             if len(corners) > 2:
                 self.polygons.append(corners)
+
+    def fan(self, middle: int, ring: list[int]) -> None:
+        """Triangles between a point and a closed row of points."""
+        self.polygons += [[middle, p, q] for p, q in zip(ring, ring[1:] + ring[:1], strict=True)]
 
     def surface(self) -> Surface:
         """What was collected, without unused points."""
@@ -163,7 +168,7 @@ def _draw_faces(drawing: _Drawing, shape: Polyhedron) -> None:
     _draw_polygons(drawing, shape, skin, corner)
     rims: list[list[int]] = [[] for _ in corner]
     for side in np.flatnonzero(skin.twin > np.arange(len(corner))):
-        _draw_edge(drawing, shape, skin, int(side), float(angles[side]), corner, rims)
+        _draw_edge(drawing, shape, skin, int(side), angle=angles[side], corner=corner, rims=rims)
     orbit = skin.following[skin.twin]
     unused = set(range(len(corner)))
     for first in range(len(corner)):
@@ -187,9 +192,7 @@ def _turns(shape: Polyhedron, skin: _Skin) -> FloatArray:
     return np.where(cosine < -1.0 + 1e-12, np.pi, np.arctan2(sine, cosine))
 
 
-def _draw_polygons(
-    drawing: _Drawing, shape: Polyhedron, skin: _Skin, corner: list[int]
-) -> None:
+def _draw_polygons(drawing: _Drawing, shape: Polyhedron, skin: _Skin, corner: list[int]) -> None:
     """Draw the offset faces; ``corner`` is the point of each side's first vertex."""
     facets = shape.facets
     triangles, owner = shape.triangles
@@ -213,6 +216,7 @@ def _draw_edge(
     shape: Polyhedron,
     skin: _Skin,
     side: int,
+    *,
     angle: float,
     corner: list[int],
     rims: list[list[int]],
@@ -250,12 +254,10 @@ def _draw_cap(drawing: _Drawing, vertex: FloatArray, radius: float, ring: list[i
         drawing.strip([*outer, outer[0]], [*inner, inner[0]])
         outer = inner
     (middle,) = drawing.add((vertex + radius * pole)[None])
-    drawing.polygons += [[middle, p, q] for p, q in zip(outer, outer[1:] + outer[:1], strict=True)]
+    drawing.fan(middle, outer)
 
 
-def _between(
-    pole: FloatArray, rim: FloatArray, angle: FloatArray, fraction: float
-) -> FloatArray:
+def _between(pole: FloatArray, rim: FloatArray, angle: FloatArray, fraction: float) -> FloatArray:
     """Unit vectors a fraction of the way from the pole to the rim."""
     sine = np.maximum(np.sin(angle), 1e-12)[:, None]
     vectors = np.sin((1.0 - fraction) * angle)[:, None] * pole
@@ -274,11 +276,11 @@ def _draw_capsule(drawing: _Drawing, a: FloatArray, b: FloatArray, radius: float
         for latitude in np.radians(latitudes):
             direction = np.cos(latitude) * round_axis + np.sin(latitude) * along
             rings.append([*drawing.add(centre + radius * direction)])
-    for lower, upper in zip(rings, rings[1:], strict=False):
+    for lower, upper in pairwise(rings):
         drawing.strip([*lower, lower[0]], [*upper, upper[0]])
     (south, north) = drawing.add(np.array([a - radius * along, b + radius * along]))
-    drawing.polygons += [[south, q, p] for p, q in zip(rings[0], rings[0][1:] + rings[0][:1], strict=True)]
-    drawing.polygons += [[north, p, q] for p, q in zip(rings[-1], rings[-1][1:] + rings[-1][:1], strict=True)]
+    drawing.fan(south, rings[0][::-1])
+    drawing.fan(north, rings[-1])
 
 
 def _draw_ball(drawing: _Drawing, centre: FloatArray, radius: float) -> None:
