@@ -156,8 +156,9 @@ def test_automatic_step_is_halved_when_contacts_ask_for_it():
 def test_given_step_above_the_bound_of_the_contacts_is_told_with_both_numbers():
     simulation = start([STATIC, FLOOR], dt=3e-3)
     assert simulation.dt == 3e-3
-    assert f"dt = 0.003 s is above the stability bound {simulation.step_bound():.4g} s" in (
-        simulation.notes[-1]
+    assert (
+        f"dt = 0.003 s is above the stability bound {simulation.step_bound():.4g} s"
+        in (simulation.notes[-1])
     )
 
 

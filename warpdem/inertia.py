@@ -6,6 +6,7 @@ the faces, sectors around the edges and balls' sectors around the vertices (Stei
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -185,5 +186,11 @@ def _plain_caps(core: Core) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def solid_properties(core: Core, radius: float) -> MassProperties:
-    """Mass properties of a convex core with rounding, or of any without."""
-    return mass_properties(rounded_moments(core, radius))
+    """Mass properties of a convex core with rounding, or of any without.
+
+    The integrals are taken about the middle of the core: far from it they would lose digits.
+    """
+    middle = 0.5 * (core.vertices.min(axis=0) + core.vertices.max(axis=0))
+    near = replace(core, vertices=core.vertices - middle)
+    mass = mass_properties(rounded_moments(near, radius))
+    return replace(mass, centre=mass.centre + middle)

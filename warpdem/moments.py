@@ -35,15 +35,6 @@ class Moments:
             self.volume - other.volume, self.first - other.first, self.second - other.second
         )
 
-    def shifted(self, offset: FloatArray) -> Moments:
-        """Of the region moved by ``offset``."""
-        cross = np.outer(self.first, offset)
-        return Moments(
-            self.volume,
-            self.first + self.volume * offset,
-            self.second + cross + cross.T + self.volume * np.outer(offset, offset),
-        )
-
 
 NOTHING = Moments(0.0, np.zeros(3), np.zeros((3, 3)))
 

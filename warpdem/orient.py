@@ -70,7 +70,9 @@ def part_volumes(vertices: FloatArray, facets: Facets, part: IntArray) -> FloatA
     base = vertices[facets.sides[facets.start[:-1], 0]]
     base = base - vertices.mean(axis=0)
     share = np.einsum("ij,ij->i", base, area_vectors(vertices, facets)) / 3.0
-    return np.bincount(part, share)
+    volumes = np.zeros(part.max(initial=-1) + 1)
+    np.add.at(volumes, part, share)
+    return volumes
 
 
 def _depths(vertices: FloatArray, facets: Facets, part: IntArray) -> IntArray:

@@ -33,7 +33,7 @@ def triangulated(
     fan = np.column_stack([apex, facets.sides])
     kept = (apex != fan[:, 1]) & (apex != fan[:, 2]) & convex[facets.owner]
     triangles, owner = [fan[kept]], [facets.owner[kept]]
-    for facet in np.flatnonzero(~convex):
+    for facet in np.flatnonzero(~convex).tolist():
         cut = ear_clipped(vertices, facets.loops(facet), normals[facet])
         triangles.append(cut)
         owner.append(np.full(len(cut), facet))
@@ -51,7 +51,7 @@ def ear_clipped(vertices: FloatArray, loops: Sequence[IntArray], normal: FloatAr
         normal: Unit normal, shape [3].
     """
     across = perpendicular(normal[None])[0]
-    plane = vertices @ np.column_stack([across, np.cross(normal, across)])
+    plane = vertices @ np.array([across, np.cross(normal, across)], np.float64).T
     ring = _bridged(plane, [loop.tolist() for loop in loops])
     triangles = []
     while len(ring) > 3:

@@ -197,8 +197,8 @@ class _Ground:
         other = self._triangles[cells.triangles][:, None]
         lengths = reach(base[cells.owner], direction[cells.owner], other)
         length = np.minimum.reduceat(lengths, cells.start[:-1], axis=0)
-        cut, whole = length < self.radius, length >= self.radius
-        kinked = cut.any(axis=1) & whole.any(axis=1)
+        longest, shortest = length.max(axis=1), length.min(axis=1)
+        kinked = (shortest < self.radius) & (longest >= self.radius)
         length = np.minimum(length, self.radius)
         powers = [
             (self.radius**power - length**power) / power
@@ -207,7 +207,7 @@ class _Ground:
         doubt = _KINK * weights.sum(axis=1) * powers[0].max(axis=1)
         doubt[~kinked] = 0.0
         values = _moments(base, direction, [weights * power for power in powers])
-        return values, doubt[:, None] * cells.scale, ~whole.any(axis=1)
+        return values, doubt[:, None] * cells.scale, longest < self.radius
 
 
 def _moments(base: FloatArray, direction: FloatArray, weights: list[FloatArray]) -> FloatArray:

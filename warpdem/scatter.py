@@ -119,7 +119,7 @@ def random_places(
     """
     centres = np.zeros((len(radii), 3))
     placed = np.zeros(len(radii), bool)
-    fits = ((high - low)[:, None] >= 2.0 * radii).all(axis=0)
+    fits = 2.0 * radii <= (high - low).min()
     order = np.argsort(-radii, kind="stable")
     order = order[fits[order]]
     balls = Balls()

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from warpdem.arrays import FloatArray, IntArray
 
+# heights are nodes: corner and centre of the lowest left cell both say where that node is
+_CENTRES = {"xllcenter": "xllcorner", "yllcenter": "yllcorner"}
 _HEADER = ("ncols", "nrows", "xllcorner", "yllcorner", "cellsize", "nodata_value")
 
 
@@ -62,8 +64,8 @@ def read_raster(path: Path) -> Raster:
         heights[heights == header["nodata_value"]] = np.nan
     cell = header["cellsize"]
     return Raster(
-        header["xllcorner"] + cell * np.arange(columns),
-        header["yllcorner"] + cell * np.arange(rows)[::-1],
+        header["xllcorner"] + cell * np.arange(columns, dtype=np.float64),
+        header["yllcorner"] + cell * np.arange(rows, dtype=np.float64)[::-1],
         heights.reshape(rows, columns),
     )
 
@@ -73,10 +75,11 @@ def _header(path: Path, lines: list[str]) -> tuple[dict[str, float], list[str]]:
     header: dict[str, float] = {}
     for number, line in enumerate(lines):
         key, _, value = line.strip().partition(" ")
-        if key.lower() not in _HEADER:
+        known = _CENTRES.get(key.lower(), key.lower())
+        if known not in _HEADER:
             break
         try:
-            header[key.lower()] = float(value)
+            header[known] = float(value)
         except ValueError:
             raise GeometryError(f"{path}:{number + 1}: {key} needs a number") from None
     if missing := [key for key in _HEADER[:5] if key not in header]:

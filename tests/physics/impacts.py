@@ -113,9 +113,9 @@ def hermite(x, v, after, h):
 def largest_force(time, overlap, approach, force):
     """Peak of the parabola through the three largest forces, or the force of the first instant.
 
-    The forces of the first two steps of a contact are not yet of second order: left out.
+    The first force of a contact stands for all the time before it: left out.
     """
-    settled = int(np.argmax(force > 0.0)) + 2
+    settled = int(np.argmax(force > 0.0)) + 1
     top = settled + int(np.argmax(force[settled:]))
     if top > settled:
         t = time[top - 1 : top + 2] - time[top]

@@ -1,0 +1,110 @@
+"""Rotation over a long time: free bodies and a heavy top against closed formulas."""
+
+import numpy as np
+import pytest
+from impacts import order_of
+from tops import angle_between, free_rotor, heavy_top, principal_momentum
+
+from warpdem.orientation import product, turned
+
+MOMENTS = np.array([1.0, 2.0, 3.0])
+SPIN = np.array([1.0, 1.0, 1.0])
+# exact orientation w, x, y, z of this body after 100 s (Jacobi's elliptic functions, 18 digits)
+AFTER_100_S = [0.7543620159814326, -0.6111927854801947, 0.1860544358049818, 0.15088099528661478]
+
+
+def turned_free(dt, times=(100.0,)):
+    return free_rotor(MOMENTS, SPIN, times, dt=dt)
+
+
+def orientation_error(dt):
+    return angle_between(turned_free(dt)[-1].orientation[0], AFTER_100_S)
+
+
+@pytest.mark.parametrize(("dt", "most"), [(0.05, 9.75e-3), (0.01, 3.95e-4)])
+def test_free_body_is_where_elliptic_functions_put_it(dt, most):
+    assert orientation_error(dt) < most
+
+
+def test_error_of_the_orientation_falls_with_the_square_of_the_step():
+    assert order_of(lambda n: orientation_error(0.05 / n), (1, 2, 4)) > 1.95
+
+
+def test_free_body_keeps_its_angular_momentum_to_rounding_and_its_energy_bounded():
+    shots = turned_free(0.01, np.linspace(0.0, 100.0, 51))
+    momentum = principal_momentum(shots, MOMENTS)
+    world = turned(np.array([shot.orientation[0] for shot in shots]), momentum)
+    assert np.abs(world - MOMENTS * SPIN).max() < 1e-13
+    energy = 0.5 * np.sum(momentum**2 / MOMENTS, axis=1)
+    assert np.abs(energy / energy[0] - 1.0).max() < 3e-5
+    late = energy[25:] / energy[0] - 1.0
+    assert np.abs(late).max() < 1.2 * np.abs(energy[:25] / energy[0] - 1.0).max()
+
+
+def test_symmetric_body_precesses_about_its_momentum():
+    moment, axial, spin = 1.0, 1.8, np.array([0.6, 0.0, 2.0])
+    momentum = np.array([moment * spin[0], 0.0, axial * spin[2]])
+    time, size = 20.0, np.linalg.norm(momentum)
+    angle = 0.5 * size / moment * time
+    outer = np.append(np.cos(angle), np.sin(angle) * momentum / size)
+    own = 0.5 * momentum[2] * (1.0 / axial - 1.0 / moment) * time
+    exact = product(outer, [np.cos(own), 0.0, 0.0, np.sin(own)])
+    shot = free_rotor([moment, moment, axial], spin, [time], dt=0.002)[0]
+    assert angle_between(shot.orientation[0], exact) < 1e-4
+
+
+def test_body_that_turns_about_its_middle_axis_flips():
+    moments, spin = [1.0, 2.0, 3.0], [0.01, 1.0, 0.01]
+    shots = free_rotor(moments, spin, np.linspace(0.0, 40.0, 401), dt=0.01)
+    middle = principal_momentum(shots, np.ones(3))[:, 1]
+    assert middle.min() < -0.99
+    # it comes back after the period of the elliptic functions, 39.1057 s
+    assert np.interp(39.105734, [shot.time for shot in shots], middle) > 0.9999
+
+
+def test_ball_turns_at_its_spin_for_ever():
+    shot = free_rotor([2.0, 2.0, 2.0], [0.0, 0.3, 0.0], [50.0], dt=0.1)[0]
+    exact = [np.cos(7.5), 0.0, np.sin(7.5), 0.0]
+    assert angle_between(shot.orientation[0], exact) < 1e-12
+
+
+# a top of I1 = 1, I3 = 1/2, m g l = 9.81, let go at 0.5 rad with 8 rad/s about its axis
+TOP = {"moments": [1.0, 1.0, 0.5], "weight": 9.81, "tilt": 0.5, "spin": 8.0}
+
+
+def lowest_tilt():
+    """cos of the largest tilt, u, by energy: L3^2 (u0 - u)^2 / (2 I1 (1 - u^2)) = m g l (u0 - u)."""
+    a = (TOP["moments"][2] * TOP["spin"]) ** 2 / (2.0 * TOP["moments"][0] * TOP["weight"])
+    return 0.5 * (a - np.sqrt(a * a - 4.0 * (a * np.cos(TOP["tilt"]) - 1.0)))
+
+
+def nutation(dt):
+    times = np.arange(0.0, 4.0, dt)
+    orientation, momentum = heavy_top(times=times, dt=dt, **TOP)
+    return times, turned(orientation, np.array([0.0, 0.0, 1.0])), momentum
+
+
+def test_heavy_top_falls_to_the_tilt_that_energy_allows():
+    _, axis, _ = nutation(1e-3)
+    assert axis[:, 2].min() == pytest.approx(lowest_tilt(), abs=1e-5)
+
+
+def test_error_of_the_tops_lowest_tilt_falls_with_the_square_of_the_step():
+    def error(n):
+        _, axis, _ = nutation(0.016 / n)
+        low = int(np.argmin(axis[:, 2]))
+        a, b, c = axis[low - 1 : low + 2, 2]
+        return abs(b - (c - a) ** 2 / (8.0 * (a - 2.0 * b + c)) - lowest_tilt())
+
+    assert order_of(error, (1, 2, 4, 8)) > 1.8
+
+
+def test_heavy_top_keeps_its_vertical_angular_momentum():
+    _, _, momentum = nutation(5e-3)
+    assert np.ptp(momentum[:, 2]) < 1e-13
+
+
+def test_heavy_top_nutates_in_the_period_of_the_elliptic_integral():
+    times, axis, _ = nutation(1e-3)
+    rising = np.flatnonzero(np.diff(np.sign(np.gradient(axis[:, 2]))) < 0)
+    assert np.diff(times[rising])[0] == pytest.approx(1.8618638655190678, abs=2e-3)
