@@ -195,7 +195,7 @@ def test_a_library_shape_without_mass_gets_its_exact_one(tmp_path):
         (CUBE_SHP.replace("radius 0.1", "radius big"), r"a.shp:4: the radius .* not 'big'"),
         (CUBE_SHP.replace("name ball", "nom ball"), "a.shp:44: unknown keyword 'nom'"),
         (CUBE_SHP.replace("name ball", "name cube"), "a second shape named 'cube'"),
-        (CUBE_SHP[:45], "ends where"),
+        (CUBE_SHP[:58], "ends where"),
         ("cube", "begins with '<'"),
     ],
 )

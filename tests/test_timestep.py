@@ -9,7 +9,7 @@ from warpdem.decode import loads
 from warpdem.errors import SceneError
 from warpdem.placement import place
 from warpdem.scene import Scene
-from warpdem.shapes import polyhedra_of
+from warpdem.check import build_shapes
 from warpdem.timestep import (
     automatic_step,
     block_bound,
@@ -38,7 +38,7 @@ EFFECTIVE = 8.0 / 9.0 * MASS
 
 def step_of(text):
     scene = loads(text)
-    polyhedra = polyhedra_of(scene)
+    polyhedra = build_shapes(scene)
     return automatic_step(scene, place(scene, polyhedra), polyhedra)
 
 
@@ -192,7 +192,7 @@ def test_without_contacts_frames_and_motion_decide():
 def test_a_cube_is_loaded_on_every_corner_twice():
     box = {"kind": "box", "name": "b", "size": [1, 1, 1], "rounding": 0.1}
     scene = Scene(run={"duration": 1.0}, shape=[box])
-    arms, normals, share = loaded_points(polyhedra_of(scene)["b"])
+    arms, normals, share = loaded_points(build_shapes(scene)["b"])
     assert len(arms) == 8
     assert share == 2.0
     assert np.linalg.norm(arms, axis=1) == pytest.approx(0.4 * sqrt(3.0) + 0.1)
@@ -220,7 +220,7 @@ def test_a_drum_is_loaded_on_two_faces_and_a_gem_on_eight_corners():
         "faces": [tip for k in range(30) for tip in ([k, after[k], 30], [after[k], k, 31])],
         "rounding": 0.05,
     }
-    polyhedra = polyhedra_of(Scene(run={"duration": 1.0}, shape=[drum, gem]))
+    polyhedra = build_shapes(Scene(run={"duration": 1.0}, shape=[drum, gem]))
     assert loaded_points(polyhedra["drum"])[2] == 2.0
     assert loaded_points(polyhedra["gem"])[2] == 2.0 * 8 / 32
 

@@ -70,19 +70,21 @@ def random_orientations(count: int, generator: np.random.Generator) -> FloatArra
     return parts / np.linalg.norm(parts, axis=1, keepdims=True)
 
 
-def principal_axes(inertia: FloatArray) -> tuple[FloatArray, FloatArray]:
+def principal_axes(inertia: FloatArray, error: float = 0.0) -> tuple[FloatArray, FloatArray]:
     """Principal moments and the rotation to the axes that is nearest to none.
 
-    A tensor diagonal but for rounding keeps its axes, so that a symmetric solid does too.
+    A tensor diagonal but for its error keeps its axes, so that a symmetric solid does too.
 
     Args:
         inertia: Symmetric tensor, shape [3, 3].
+        error: Its relative error, beyond rounding.
 
     Returns:
         Moments, shape [3], and a rotation matrix whose columns are the axes, shape [3, 3].
     """
-    off_diagonal = np.abs(inertia - np.diag(np.diag(inertia))).max()
-    if off_diagonal <= 1e-12 * np.trace(inertia):
+    noise = np.abs(inertia) <= (error + 1e-12) * np.trace(inertia)
+    inertia = np.where(noise & ~np.eye(3, dtype=bool), 0.0, inertia)
+    if np.count_nonzero(inertia - np.diag(np.diag(inertia))) == 0:
         return np.diag(inertia).copy(), np.eye(3)
     moments, axes = np.linalg.eigh(inertia)
     # of equally near ones (axes turned by 45 degrees) the first, with rising moments

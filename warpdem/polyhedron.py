@@ -245,7 +245,7 @@ def in_frame(
     start, moments, axes = np.zeros(3), np.zeros(3), np.eye(3)
     if mass is not None:
         start = mass.centre
-        moments, axes = principal_axes(mass.inertia_over_mass)
+        moments, axes = principal_axes(mass.inertia_over_mass, mass.error)
     moved = replace(core, vertices=(core.vertices - start) @ axes)
     sides = core.facets.sides
     height = np.einsum("ij,ij->i", moved.vertices[sides[:, 0]], moved.normals[core.facets.owner])

@@ -207,7 +207,8 @@ def read_mesh(path: Path) -> tuple[FloatArray, IntArray | list[list[int]]]:
     import meshio  # noqa: PLC0415  a scene without meshes starts faster
 
     try:
-        mesh = meshio.read(path)
+        with np.errstate(over="ignore"):  # meshio multiplies an STL's first bytes to tell its kind
+            mesh = meshio.read(path)
     except (OSError, meshio.ReadError, ValueError, SystemExit) as error:
         raise GeometryError(f"{path}: {str(error) or 'cannot be read as a mesh'}") from None
     blocks = [block.data for block in mesh.cells if block.dim == 2]

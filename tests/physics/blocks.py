@@ -1,8 +1,8 @@
 """Blocks, measured: on a slope, in columns and stacks, on one corner."""
 
 import numpy as np
-from scenes import DEPTH, ball, body, box, laboratory, law, record, tilted
 
+from scenes import DEPTH, ball, body, box, laboratory, law, record, tilted
 from warpdem.orientation import product
 from warpdem.orientation import turned as rotated
 
@@ -21,7 +21,9 @@ def on_slope(*, angle, mu, base, height, rounding, g, kn, kt, duration, stiffer=
     shape = box("block", (base, base, height), rounding=rounding)
     start = body("block", [0.0, 0.0, 0.5 * height - overlap])
     rules = law(kn, kt=kt, mu=mu, zeta=0.5)
-    simulation = laboratory([shape], [start], rules, dt="auto", gravity=tilted(angle, g), duration=duration)
+    simulation = laboratory(
+        [shape], [start], rules, dt="auto", gravity=tilted(angle, g), duration=duration
+    )
     simulation.advance(0.5 * duration)
     middle = simulation.snapshot()
     simulation.advance(duration)
@@ -71,7 +73,7 @@ def leap(simulation, dt):
 
 
 def chain_mode(count, number):
-    """Frequency over sqrt(k/m), and shape, of mode ``number`` of a column: fixed below, free above."""
+    """Frequency over sqrt(k/m), and shape, of a mode of a column: fixed below, free above."""
     angle = (2 * number - 1) * np.pi / (2 * count + 1)
     return 2.0 * np.sin(0.5 * angle), np.sin(angle * np.arange(1, count + 1))
 

@@ -5,6 +5,7 @@ once, side by side, and its time counts from the touch.
 """
 
 import numpy as np
+
 from scenes import ball, body, laboratory, law, record
 
 PHASES = 8
@@ -48,7 +49,7 @@ def approaching(*, mass, other=None, rules, speed, dt, **run):
 
 
 def restitution(*, speed, steps, duration, **collision):
-    """Speed of separation over that of approach, shape [phase_count], at so many steps a contact."""
+    """Speed of parting over that of approach, shape [phase_count], at so many steps a contact."""
     simulation, _ = approaching(speed=speed, dt=duration / steps, **collision)
     simulation.advance((LASTING + 2.0 / steps) * duration)
     after = simulation.snapshot().velocity[:, 2]
@@ -164,9 +165,7 @@ class Grazing:
 
     SLOW = 1e-5
 
-    def __init__(
-        self, *, mass, rules, fall, slide=0.0, spin=0.0, steps, duration, beta=0.4, **run
-    ):
+    def __init__(self, *, mass, rules, fall, slide=0.0, spin=0.0, steps, duration, beta=0.4, **run):
         dt = duration / steps
         late = self.SLOW * fall * dt * (np.arange(PHASES) + 0.5) / PHASES
         bodies = [

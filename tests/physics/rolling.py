@@ -1,6 +1,7 @@
 """A ball on the floor or a slope, measured: sliding, rolling, coming to rest."""
 
 import numpy as np
+
 from scenes import ball, body, laboratory, law, record, tilted
 
 RADIUS = 0.1
@@ -17,7 +18,9 @@ def slip_to_roll(*, v0, mu, beta, radius, g, kn, steps=40):
     ball_at = supported(radius, kn, g, velocity=[v0, 0.0, 0.0])
     dt = np.pi / np.sqrt(kn) / steps
     gravity = [0.0, 0.0, -g]
-    simulation = laboratory([ball("ball", radius, beta=beta)], [ball_at], rules, dt=dt, gravity=gravity)
+    simulation = laboratory(
+        [ball("ball", radius, beta=beta)], [ball_at], rules, dt=dt, gravity=gravity
+    )
     simulation.advance(0.95 * v0 / (mu * g * (1.0 + 1.0 / beta)))
     while _slip(after := simulation.snapshot(), radius) > 0.0:
         before = after

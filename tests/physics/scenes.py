@@ -1,7 +1,7 @@
 """Scenes of the physics tests: balls and boxes over one floor.
 
-All have the same needs (friction, damping, rolling resistance, energies, a large fixed box), whether
-their laws use them or not, so that their kernels are compiled once: the law of the floor with
+All have the same needs (friction, damping, rolling resistance, energies, a large fixed box) whether
+or not their laws use them, so that their kernels are compiled once: the law of the floor with
 itself, which nothing obeys, asks for them.
 """
 

@@ -1,4 +1,4 @@
-"""Blocks at rest and on the verge of falling, columns of springs, and the limit of the time step."""
+"""Blocks at rest and on the verge of falling, columns of springs, the limit of the time step."""
 
 from math import asin, cos, hypot, radians, sin
 

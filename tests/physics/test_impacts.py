@@ -18,6 +18,7 @@ from impacts import (
     rms,
     turning,
 )
+
 from scenes import clamped_restitution, law
 
 KN = 1e5
@@ -45,9 +46,7 @@ def against_the_floor(zeta, *, mass=1.0, speed=1.0):
 
 @pytest.mark.parametrize("asked", [0.95, 0.8, 0.5, 0.2, 0.1])
 def test_ball_rebounds_with_the_restitution_asked_for(asked):
-    got = restitution(
-        mass=1.0, rules=law(KN, e=asked), speed=1.0, steps=50, duration=pi / sqrt(KN)
-    )
+    got = restitution(mass=1.0, rules=law(KN, e=asked), speed=1.0, steps=50, duration=pi / sqrt(KN))
     assert rms(got - asked) < 1e-3
 
 
@@ -119,9 +118,7 @@ def test_two_balls_part_with_the_restitution_and_the_momentum(mass, other, zeta)
     speed, m_eff = 3.0, mass * other / (mass + other)
     duration = contact_time(zeta, sqrt(KN / m_eff))
     rules = law(KN, zeta=zeta)
-    hit = Collision(
-        mass=mass, other=other, rules=rules, speed=speed, steps=50, duration=duration
-    )
+    hit = Collision(mass=mass, other=other, rules=rules, speed=speed, steps=50, duration=duration)
     common, e = mass * speed / (mass + other), clamped_restitution(zeta)
     assert rms(hit.first - (common - e * (speed - common))) < 1e-3 * speed
     assert rms(hit.second - common * (1.0 + e)) < 1e-3 * speed

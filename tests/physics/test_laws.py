@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import warp as wp
-
 from warpdem.kernels.normal import hooke, hooke_predicted, onset, pair_frequency
 from warpdem.kernels.precision import quat, real, vec3
 from warpdem.kernels.rotation import (
@@ -16,6 +15,7 @@ from warpdem.kernels.rotation import (
     taylor_drift,
 )
 from warpdem.kernels.tangential import coulomb, follow, radial_return, slip_direction
+
 from warpdem.orientation import product, turned
 
 UP = vec3(0.0, 0.0, 1.0)

@@ -73,7 +73,7 @@ TOP = {"moments": [1.0, 1.0, 0.5], "weight": 9.81, "tilt": 0.5, "spin": 8.0}
 
 
 def lowest_tilt():
-    """cos of the largest tilt, u, by energy: L3^2 (u0 - u)^2 / (2 I1 (1 - u^2)) = m g l (u0 - u)."""
+    """cos u of the largest tilt: L3^2 (u0 - u)^2 / (2 I1 (1 - u^2)) = m g l (u0 - u)."""
     a = (TOP["moments"][2] * TOP["spin"]) ** 2 / (2.0 * TOP["moments"][0] * TOP["weight"])
     return 0.5 * (a - np.sqrt(a * a - 4.0 * (a * np.cos(TOP["tilt"]) - 1.0)))
 

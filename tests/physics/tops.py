@@ -2,10 +2,10 @@
 
 import numpy as np
 import warp as wp
-from scenes import laboratory, law
-
 from warpdem.kernels.precision import quat, real, vec3
 from warpdem.kernels.rotation import free_drift
+
+from scenes import laboratory, law
 from warpdem.orientation import product, turned
 
 

@@ -6,32 +6,43 @@ FOLDER holds the JSON files of ../shared/reference/analytic (default). One line 
 that comes nearest to its gate; with --all one line a quantity. Exits with 1 where one fails.
 """
 
+from __future__ import annotations
+
 import argparse
 import json
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "physics"), str(Path(__file__).parent)]
 
 import analytic_bodies  # noqa: E402 - found through the path above
 import analytic_impacts  # noqa: E402 - the same
+import analytic_tops  # noqa: E402 - the same
+
+if TYPE_CHECKING:
+    from analytic_row import Row
 
 DEFAULT = ROOT.parent / "shared" / "reference" / "analytic"
-FAMILIES = {**analytic_impacts.FAMILIES, **analytic_bodies.FAMILIES}
+FAMILIES = {
+    **analytic_impacts.FAMILIES,
+    **analytic_bodies.FAMILIES,
+    **analytic_tops.FAMILIES,
+}
 
 
-def cases_of(folder, family):
+def cases_of(folder: Path, family: str) -> list[dict[str, Any]]:
     return json.loads((folder / f"{family}.json").read_text())["cases"]
 
 
-def rows_of(folder, family):
+def rows_of(folder: Path, family: str) -> list[Row]:
     """Every quantity of every case of a family, and the family's own."""
     return list(FAMILIES[family](cases_of(folder, family), folder))
 
 
-def line(row, count):
+def line(row: Row, count: int) -> str:
     gate = "" if row.gate is None else f"{row.gate:9.1e}"
     more = f"  [worst of {count}]" if count > 1 else ""
     return (
@@ -40,8 +51,8 @@ def line(row, count):
     )
 
 
-def show(rows, *, every):
-    groups = {}
+def show(rows: list[Row], *, every: bool) -> None:
+    groups: dict[str, list[Row]] = {}
     for row in rows:
         groups.setdefault(row.case, []).append(row)
     for group in groups.values():
@@ -50,7 +61,7 @@ def show(rows, *, every):
             print(line(row, 1 if every else len(group)), flush=True)
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", nargs="?", type=Path, default=DEFAULT)
     parser.add_argument("--family", nargs="*", choices=FAMILIES, default=list(FAMILIES))

@@ -1,8 +1,13 @@
 """One quantity of a reference case: what the simulator gave, what the formula says, how far off."""
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 class Row(NamedTuple):
@@ -26,20 +31,30 @@ class Row(NamedTuple):
     note: str = ""
 
     @property
-    def strain(self):
+    def strain(self) -> float:
         """Error over gate."""
         if self.gate is None:
             return -1.0
         return np.inf if np.isnan(self.error) else self.error / self.gate
 
     @property
-    def verdict(self):
+    def verdict(self) -> str:
+        """PASS, FAIL, or n/a without a gate."""
         if self.gate is None:
             return "n/a"
         return "PASS" if self.error <= self.gate else "FAIL"
 
 
-def compared(case, quantity, got, expected, *, gate, unit=None, note=""):
+def compared(
+    case: str,
+    quantity: str,
+    got: ArrayLike,
+    expected: ArrayLike,
+    *,
+    gate: float | None,
+    unit: float | None = None,
+    note: str = "",
+) -> Row:
     """Row of the worst of some values; errors over ``unit``, by default each value's own size."""
     got, expected = np.broadcast_arrays(np.atleast_1d(got), np.atleast_1d(expected))
     scale = np.where(expected == 0.0, 1.0, np.abs(expected)) if unit is None else unit
@@ -48,12 +63,27 @@ def compared(case, quantity, got, expected, *, gate, unit=None, note=""):
     return Row(case, quantity, float(got[at]), float(expected[at]), float(error[at]), gate, note)
 
 
-def averaged(case, quantity, got, expected, *, gate, unit=1.0, note=""):
+def averaged(
+    case: str,
+    quantity: str,
+    got: ArrayLike,
+    expected: float,
+    *,
+    gate: float,
+    unit: float = 1.0,
+    note: str = "",
+) -> Row:
     """Row of one value measured at all phases of a step: mean, and root mean square error."""
     error = float(np.sqrt(np.mean(np.square(np.asarray(got) - expected)))) / unit
     return Row(case, quantity, float(np.mean(got)), expected, error, gate, note)
 
 
-def order_row(case, order, *, least=1.8, of="order in dt"):
+def order_row(case: str, order: float, *, least: float = 1.8, of: str = "order in dt") -> Row:
     """Row of a measured order of convergence; its error is what it lacks."""
-    return Row(case, of, float(order), least, max(0.0, least - float(order)), 1e-12, "at least")
+    lacking = max(0.0, least - float(order))
+    return Row(case, of, float(order), least, lacking, 1e-12, f"at least {least:g}")
+
+
+def fact(case: str, quantity: str, *, true: bool, note: str = "") -> Row:
+    """Row of what is so or not."""
+    return Row(case, quantity, float(true), 1.0, float(not true), 0.0, note)
