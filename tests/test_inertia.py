@@ -171,7 +171,7 @@ def test_two_balls_share_their_lens_once(distance):
 
 
 def test_two_boxes_far_apart_are_two_boxes():
-    vertices = np.concatenate([CUBE_CORNERS, np.array(CUBE_CORNERS) + [4.0, 0.0, 0.0]])
+    vertices = np.concatenate([CUBE_CORNERS, np.add(CUBE_CORNERS, [4.0, 0.0, 0.0])])
     faces = [*CUBE_FACES, *([corner + 8 for corner in face] for face in CUBE_FACES)]
     solid = build(vertices, faces, name="pair", radius=0.2)
     one = rounded_box(np.ones(3), 0.2)

@@ -167,7 +167,7 @@ def test_all_features_of_an_open_surface_touch():
 
 
 def test_declared_mass_leaves_everything_as_it_is():
-    corners = np.array(CUBE_CORNERS) + [3.0, 0.0, 0.0]
+    corners = np.add(CUBE_CORNERS, [3.0, 0.0, 0.0])
     solid = build(
         corners,
         split(CUBE_FACES),

@@ -1,6 +1,7 @@
 """The drawn surface is closed, lies on the rounded solid, and has few polygons."""
 
 from collections import Counter
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -57,7 +58,7 @@ def enclosed(surface):
     total = 0.0
     for polygon in polygons(surface):
         a, *others = surface.points[polygon]
-        total += sum(a @ np.cross(b, c) for b, c in zip(others, others[1:], strict=False)) / 6.0
+        total += sum(a @ np.cross(b, c) for b, c in pairwise(others)) / 6.0
     return total
 
 

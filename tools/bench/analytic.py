@@ -56,9 +56,13 @@ def show(rows: list[Row], *, every: bool) -> None:
     for row in rows:
         groups.setdefault(row.case, []).append(row)
     for group in groups.values():
-        shown = group if every else [max(group, key=lambda row: row.strain)]
+        # the order belongs to the case; of what else was measured, the worst
+        orders = [row for row in group if row.quantity.startswith("order")]
+        others = [row for row in group if row not in orders]
+        worst = sorted(others, key=lambda row: -row.strain)[:1]
+        shown = group if every else worst + orders
         for row in shown:
-            print(line(row, 1 if every else len(group)), flush=True)
+            print(line(row, len(others) if row in worst and not every else 1), flush=True)
 
 
 def main() -> int:

@@ -35,7 +35,9 @@ class Row(NamedTuple):
         """Error over gate."""
         if self.gate is None:
             return -1.0
-        return np.inf if np.isnan(self.error) else self.error / self.gate
+        if self.verdict == "FAIL":
+            return np.inf
+        return self.error / self.gate if self.gate else 0.0
 
     @property
     def verdict(self) -> str:
