@@ -71,7 +71,7 @@ def boxes_meet(a: vec3, b: vec3, middle: vec3, half: vec3, reach: real) -> bool:
 
 @wp.func
 def vertex_near_edge(p: vec3, a: vec3, b: vec3, half: real, reach: real, skin: real) -> bool:
-    """Distance within ``reach`` and foot within ``skin`` of the edge's ends; ``half`` its length."""
+    """Distance within ``reach``, foot within ``skin`` of the ends; ``half`` the edge's length."""
     near = half + reach
     if wp.length_sq(p - (a + b) * real(0.5)) > near * near:
         return False

@@ -29,7 +29,7 @@ class Geometry:
     depth: wp.array(dtype=real)  # how far behind the face a vertex still belongs to it
     face_convex: wp.array(dtype=wp.int32)
     side_start: wp.array(dtype=wp.int32)
-    # of a side (directed border edge of a face): inside is m.x <= o, above and below the face
+    # of a side, a directed border edge of a face: inside is m.x <= o, above and below the face
     side_above: wp.array(dtype=vec4)
     side_below: wp.array(dtype=vec4)
     side_open: wp.array(dtype=wp.int32)  # a point on the border belongs to the other face
@@ -133,7 +133,7 @@ class Material:
 class Clock:
     """What the host reads between batches of steps, one number each.
 
-    Host threads share ``reach``, ``moved`` and ``fault``, and each has its own ``halted`` and ``steps``.
+    Host threads share ``reach``, ``moved`` and ``fault``; each has its own ``halted``, ``steps``.
     """
 
     reach: wp.array(dtype=real)  # half of the skin: how far a body may go from where it was listed

@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from warpdem.check import build_shapes
 from warpdem.decode import loads
 from warpdem.errors import SceneError
 from warpdem.placement import place
 from warpdem.scene import Scene
-from warpdem.check import build_shapes
 from warpdem.timestep import (
     automatic_step,
     block_bound,

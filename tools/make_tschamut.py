@@ -13,7 +13,7 @@ DATA = SCENES / "data" / "tschamut"
 # clear distance between two released blocks, centre to centre [m]
 APART = 1.0
 
-HEAD = '''# Blocks of the Tschamut field test fall down their slope: measured shapes, masses and release
+HEAD = """# Blocks of the Tschamut field test fall down their slope: measured shapes, masses and release
 # states (EnviDat, doi:10.16904/envidat.34, ODbL; see data/tschamut/README.md) on its terrain as a
 # triangle mesh, with the default contact law. Written by tools/make_tschamut.py.
 #   python -m warpdem scenes/tschamut_blocks.toml
@@ -57,7 +57,7 @@ shape = "slope"
 group = "ground"
 position = [0, 0, 0]
 fixed = true
-'''
+"""
 
 
 def rows(name: str) -> list[dict[str, str]]:
@@ -72,13 +72,13 @@ def main() -> None:
     blocks = {row["block_id"]: row for row in rows("block_metadata.csv")}
     for key, block in blocks.items():
         size = [float(block[f"size_{axis}_m"]) for axis in "xyz"]
-        text += f'''
+        text += f"""
 [[shape]]
 name = "block {key}"  # {block["name"]}
 kind = "box"
 size = [{size[0]:g}, {size[1]:g}, {size[2]:g}]
 rounding = {0.25 * min(size):g}
-'''
+"""
     taken: list[tuple[float, float, float]] = []
     for row in rows("release_points.csv"):
         place = (float(row["x_m"]), float(row["y_m"]), float(row["z_m"]))

@@ -68,7 +68,7 @@ def check(scene: Scene) -> Report:
         memory=_memory(placement, polyhedra, features),
         stages=stage_names(features),
         notes=(
-            *(note for shape in polyhedra.values() for note in shape.notes),
+            *(f'shape "{s.name}": {note}' for s in polyhedra.values() for note in s.notes),
             *placement.notes,
             *([near] if start.near else []),
         ),

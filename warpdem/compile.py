@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING
 
 import warp as wp
 
-from warpdem.kernels import candidates, integrate, matching, measures, neighbours
+from warpdem.kernels.candidates import find_candidates
+from warpdem.kernels.integrate import orient
+from warpdem.kernels.matching import carry_history
+from warpdem.kernels.measures import frequency_bound
+from warpdem.kernels.neighbours import find_partners, incidence_keys
 from warpdem.stages import cycle, kick
 
 if TYPE_CHECKING:
@@ -23,20 +27,20 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
     has = model.features
     stages = cycle(model, state, lists, share, 0.0)
     kernels: dict[str, wp.Kernel] = {stage.name: stage.kernel for stage in stages}
-    kernels["orient"] = integrate.orient
+    kernels["orient"] = orient
     if has.gravity_first:
         kernels["first kick"] = kick(model, state, lists, share, 0.0, contacts=False).kernel
     if not has.contacts:
         return kernels
     for fill in (False, True):
         word = "fill" if fill else "count"
-        kernels[f"{word} pairs"] = neighbours.find_partners(fill=fill, large=has.large)
-        kernels[f"{word} candidates"] = candidates.find_candidates(
+        kernels[f"{word} pairs"] = find_partners(fill=fill, large=has.large)
+        kernels[f"{word} candidates"] = find_candidates(
             fill=fill, polyhedra=has.polyhedra, trees=has.trees
         )
-    kernels["history"] = matching.carry_history(rolling=has.rolling)
-    kernels["incidence"] = neighbours.incidence_keys
-    kernels["measures"] = measures.frequency_bound
+    kernels["history"] = carry_history(rolling=has.rolling)
+    kernels["incidence"] = incidence_keys
+    kernels["measures"] = frequency_bound
     return kernels
 
 

@@ -162,17 +162,15 @@ def _share(
     above: FloatArray, flat: np.ndarray, face: IntArray, other: IntArray, shape: Polyhedron
 ) -> None:
     """Give the second of two faces in one plane the negative of the first one's half-space."""
-    ends = np.sort(shape.side_vertices, axis=1)
-    places: dict[tuple[int, int, int, int], int] = {}
     chosen = np.flatnonzero(flat)
-    for k in chosen:
-        if face[k] < other[k]:
-            places[face[k], other[k], ends[k, 0], ends[k, 1]] = k
-    for k in chosen:
-        if face[k] > other[k]:
-            first = places.get((other[k], face[k], ends[k, 0], ends[k, 1]))
-            if first is not None:
-                above[k] = -above[first]
+    ends = np.sort(shape.side_vertices[chosen], axis=1)
+    low = np.minimum(face[chosen], other[chosen])
+    high = np.maximum(face[chosen], other[chosen])
+    order = np.lexsort((face[chosen], high, low, ends[:, 1], ends[:, 0]))
+    keys = np.column_stack([ends, low, high])[order]
+    chosen = chosen[order]
+    partners = (keys[1:] == keys[:-1]).all(axis=1) & (face[chosen[1:]] > face[chosen[:-1]])
+    above[chosen[1:][partners]] = -above[chosen[:-1][partners]]
 
 
 def _cones(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
@@ -200,6 +198,6 @@ def feature_tree(shape: Polyhedron, device: Any) -> wp.Bvh:
         high.append(np.maximum.reduceat(corners, shape.side_start[:-1], axis=0))
     slack = 1e-6 * float(np.abs(shape.vertices).max())
     return wp.Bvh(
-        on(device, (np.concatenate(low) - slack).astype(np.float32), wp.vec3),
-        on(device, (np.concatenate(high) + slack).astype(np.float32), wp.vec3),
+        wp.array((np.concatenate(low) - slack).astype(np.float32), dtype=wp.vec3, device=device),
+        wp.array((np.concatenate(high) + slack).astype(np.float32), dtype=wp.vec3, device=device),
     )

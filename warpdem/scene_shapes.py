@@ -69,11 +69,7 @@ class MeshShape(_Declarable):
     """What the file's coordinates are multiplied by to be metres."""
 
     rounding: Positive
-    """Minkowski radius [m]."""
-
-    core: Literal["surface", "inset"] = "surface"
-    """What the file's surface is: "surface", the core, so that the solid is larger by the
-    rounding; "inset", the outside of the solid, so that the core lies within by the rounding."""
+    """Minkowski radius [m]; the mesh is the core, so the solid is larger by it."""
 
 
 class PolyhedronShape(_Declarable):

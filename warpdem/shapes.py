@@ -183,11 +183,6 @@ def _declared_item(item: ShpItem) -> Declared | None:
 
 
 def _mesh(shape: MeshShape, directory: Path) -> Polyhedron:
-    if shape.core == "inset":
-        raise GeometryError(
-            f'shape "{shape.name}": core = "inset" needs a core made beforehand; '
-            'shrink the mesh by the rounding and leave core = "surface"'
-        )
     vertices, faces = read_mesh(directory / shape.file)
     return build(
         shape.scale * vertices,

@@ -5,10 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from warpdem.kernels import integrate, meeting, rotation
 from warpdem.kernels.forces import pair_forces
+from warpdem.kernels.integrate import drift as drift_kernel
+from warpdem.kernels.integrate import halt as halt_kernel
+from warpdem.kernels.integrate import kick as kick_kernel
 from warpdem.kernels.laws import Laws
+from warpdem.kernels.meeting import meet as meet_kernel
 from warpdem.kernels.precision import vec3
+from warpdem.kernels.rotation import (
+    free_drift,
+    free_torque,
+    spherical_drift,
+    taylor_drift,
+    taylor_torque,
+)
 
 if TYPE_CHECKING:
     import warp as wp
@@ -39,7 +49,7 @@ class Stage:
 def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
     """First half kick and drift."""
     has = model.features
-    kernel = integrate.drift(
+    kernel = drift_kernel(
         _rotate(has), predicted=has.predicted, driven=has.driven, contacts=has.contacts
     )
     arguments = (
@@ -55,7 +65,7 @@ def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
 
 def halt(share: Share) -> Stage:
     """Count the step; stop where a body left its skin."""
-    return Stage("halt", integrate.halt, "one", (share.clock,))
+    return Stage("halt", halt_kernel, "one", (share.clock,))
 
 
 def forces(model: Model, state: State, lists: Lists, share: Share, dt: float) -> Stage:
@@ -81,9 +91,9 @@ def kick(
 ) -> Stage:
     """Gather the wrenches, add body forces, second half kick."""
     has = model.features
-    torque = rotation.taylor_torque if has.taylor else rotation.free_torque
+    torque = taylor_torque if has.taylor else free_torque
     account = has.account and has.driven
-    kernel = integrate.kick(torque, contacts=contacts, account=account)
+    kernel = kick_kernel(torque, contacts=contacts, account=account)
     arguments = (
         model.inertia,
         vec3(*model.gravity),
@@ -101,7 +111,7 @@ def kick(
 def meet(share: Share) -> Stage:
     """Wait for the other host threads."""
     arguments = (share.member, share.members, share.arrived)
-    return Stage("meet", meeting.meet, "one", arguments)
+    return Stage("meet", meet_kernel, "one", arguments)
 
 
 def laws(has: Features) -> Laws:
@@ -111,8 +121,8 @@ def laws(has: Features) -> Laws:
 
 def _rotate(has: Features) -> wp.Function:
     if has.taylor:
-        return rotation.taylor_drift
-    return rotation.spherical_drift if has.spherical else rotation.free_drift
+        return taylor_drift
+    return spherical_drift if has.spherical else free_drift
 
 
 def after_drift(

@@ -95,3 +95,21 @@ def decay(*, spin, mur, beta, radius, g, kn, upright, until=None, steps=20):
             pace = simulation.dt
     stop = np.interp(0.0, [rate[-1], rate[-2]], [time[-1], time[-2]])
     return {"deceleration": -np.polyfit(time[:-1], rate[:-1], 1)[0], "t_stop": stop}
+
+
+def lag_of_friction(*, speed, spin, mu, kn, kt, g, dt, time, beta=100.0):
+    """Angle from the sliding velocity to friction, of a ball that slides and spins upright [rad].
+
+    Its large moment of inertia and small weight leave its motion almost as it is.
+    """
+    motion = {"velocity": [speed, 0.0, 0.0], "spin": [0.0, 0.0, spin]}
+    simulation = laboratory(
+        [ball("ball", RADIUS, beta=beta)],
+        [supported(RADIUS, kn, g, **motion)],
+        law(kn, kt=kt, mu=mu, zeta=0.5),
+        dt=dt,
+        gravity=[0.0, 0.0, -g],
+    )
+    simulation.advance(time)
+    friction = simulation.snapshot(contacts=True).contacts.tangential_force[0]
+    return np.arctan2(-friction[1], -friction[0])

@@ -4,10 +4,11 @@ The formulas know no springs; errors of a few parts in a thousand are those of f
 fall with it.
 """
 
-from math import cos, radians, sin
+from math import asin, cos, radians, sin
 
 import pytest
-from rolling import RADIUS, decay, descent, slip_to_roll
+from impacts import order_of
+from rolling import RADIUS, decay, descent, lag_of_friction, slip_to_roll
 
 G = 9.81
 KN = 4e5
@@ -80,3 +81,24 @@ def test_top_of_a_ball_stops_under_the_same_cap():
     rate = mur * G / (0.4 * RADIUS**2)
     assert got["deceleration"] == pytest.approx(rate, rel=1e-4)
     assert got["t_stop"] == pytest.approx(2.0 / rate, rel=5e-3)
+
+
+def test_friction_of_a_spinning_ball_runs_ahead_of_its_slip_by_half_the_spin():
+    # t' = spin/2 x t + kt (u - (u.t) t)/(mu F): in the end sin(angle) = spin mu F/(2 kt u)
+    speed, spin, mu, kt, g = 1.0, 20.0, 0.3, 0.1, 0.01
+    slide = {"speed": speed, "spin": spin, "mu": mu, "kn": 1e3, "kt": kt, "g": g}
+    expected = asin(spin * mu * g / (2.0 * kt * speed))
+
+    def error(steps):
+        # the slide slows by mu g t, a thousandth
+        angle = lag_of_friction(dt=0.3 / steps, time=0.3, **slide)
+        return abs(angle / expected - 1.0)
+
+    assert error(200) < 2e-3
+
+
+def test_error_of_the_direction_of_slip_falls_with_the_square_of_the_step():
+    slide = {"speed": 1.0, "spin": 20.0, "mu": 0.3, "kn": 1e3, "kt": 0.1, "g": 0.01}
+    fine = lag_of_friction(dt=0.1 / 1600, time=0.1, **slide)
+    error = lambda n: abs(lag_of_friction(dt=0.1 / n, time=0.1, **slide) - fine)  # noqa: E731
+    assert order_of(error, (25, 50, 100)) > 1.8
