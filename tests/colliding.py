@@ -5,10 +5,10 @@ They ask for the same features, so that they share compiled kernels: NO_FRICTION
 
 import numpy as np
 
-from warpdem.orientation import turned
-from warpdem.scene import Scene
+from warpdem.checks.timestep import masses
+from warpdem.geometry.orientation import turned
+from warpdem.input.scene import Scene
 from warpdem.simulation import Simulation
-from warpdem.timestep import masses
 
 LAW = {
     "groups": ["default", "default"],

@@ -4,10 +4,10 @@ import sys
 import numpy as np
 import pytest
 
-from warpdem.check import check
-from warpdem.decode import load, loads
+from warpdem.checks.check import check
+from warpdem.checks.overlap import overlaps
 from warpdem.errors import SceneError
-from warpdem.overlap import overlaps
+from warpdem.input.decode import load, loads
 
 SCENE = """
 title = "blocks"
@@ -201,7 +201,7 @@ def test_checking_a_scene_needs_no_warp(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(SCENE)
     program = (
-        "import sys; from warpdem.decode import load; from warpdem.check import check;"
+        "import sys; from warpdem.input.decode import load; from warpdem.checks.check import check;"
         f"check(load({str(path)!r}));"
         "print([name for name in ('warp', 'pyvista', 'meshio', 'vtk') if name in sys.modules])"
     )

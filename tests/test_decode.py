@@ -3,9 +3,9 @@ import random
 
 import pytest
 
-from warpdem import decode
 from warpdem.errors import SceneError
-from warpdem.lines import line_of, lines_of
+from warpdem.input import decode
+from warpdem.input.lines import line_of, lines_of
 
 GOOD = """\
 title = "a ball on a floor"

@@ -17,9 +17,9 @@ from solids import (
     rotation,
 )
 
-from warpdem.clearance import Elements, Obstacle
-from warpdem.inertia import rounded_box
-from warpdem.polyhedron import build
+from warpdem.filling.clearance import Elements, Obstacle
+from warpdem.geometry.inertia import rounded_box
+from warpdem.geometry.polyhedron import build
 
 REFERENCE = Path(__file__).resolve().parents[2] / "shared" / "reference" / "analytic"
 # core, rounding, volume, inertia about x, y, z over the density
@@ -217,7 +217,7 @@ def test_the_error_estimate_covers_a_tighter_quadrature(monkeypatch):
     rng = np.random.default_rng(4)
     corners, faces = prism([[r * np.cos(t), r * np.sin(t)] for t, r in star(rng)], 0.8)
     rough = build(corners, faces, name="star", radius=0.1)
-    monkeypatch.setattr("warpdem.quadrature._SHARES", 20_000)
+    monkeypatch.setattr("warpdem.geometry.quadrature._SHARES", 20_000)
     fine = build(corners, faces, name="star", radius=0.1)
 
     assert rough.volume == pytest.approx(fine.volume, rel=rough.volume_error)

@@ -5,9 +5,9 @@ import pytest
 from colliding import FLOOR, NO_FRICTION, heap, momenta, run, same, scene, strips, swarm, unit
 
 import warpdem.simulation
-from warpdem.orientation import product, turned
+from warpdem.checks.timestep import masses
+from warpdem.geometry.orientation import product, turned
 from warpdem.simulation import Simulation
-from warpdem.timestep import masses
 
 WEIGHTLESS = (0.0, 0.0, 0.0)
 UNTIL = 0.6

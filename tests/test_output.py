@@ -11,8 +11,8 @@ import pytest
 import pyvista
 from falling import CORNERS, contacts, cube, placement, snapshot
 
-from warpdem import decode
 from warpdem.errors import OutputError, WarpdemError
+from warpdem.input import decode
 from warpdem.output import checkpoint as checkpoints
 from warpdem.output import contact_points, durable, vtu
 from warpdem.output.checkpoint import Checkpoint
@@ -20,8 +20,8 @@ from warpdem.output.series import Series
 from warpdem.output.surfaces import Surfaces
 from warpdem.output.table import TRAJECTORY_COLUMNS, Table, Trajectory, energy_row
 from warpdem.output.writer import Writer
-from warpdem.progress import Progress, duration
-from warpdem.schedule import Schedule
+from warpdem.running.progress import Progress, duration
+from warpdem.running.schedule import Schedule
 
 FIELDS = ("body", "group", "cluster", "speed", "velocity", "spin", "force", "mass")
 QUARTER_TURN = [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]  # about z

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from warpdem.clearance import Elements, Obstacle, distances
 from warpdem.errors import SceneError
-from warpdem.orientation import from_matrix, matrix, principal_axes, product, turned
-from warpdem.placement import place
-from warpdem.scatter import lattice
-from warpdem.scene import Scene
-from warpdem.scene_fill import ConstantSize, LognormalSize, NormalSize, PowerSize, UniformSize
-from warpdem.shapes import polyhedron_of
-from warpdem.sizes import drawn
+from warpdem.filling.clearance import Elements, Obstacle, distances
+from warpdem.filling.placement import place
+from warpdem.filling.scatter import lattice
+from warpdem.filling.sizes import drawn
+from warpdem.geometry.orientation import from_matrix, matrix, principal_axes, product, turned
+from warpdem.geometry.shapes import polyhedron_of
+from warpdem.input.scene import Scene
+from warpdem.input.scene_fill import ConstantSize, LognormalSize, NormalSize, PowerSize, UniformSize
 
 CUBE = {"kind": "box", "name": "cube", "size": (1.0, 1.0, 1.0), "rounding": 0.1}
 CONTACTS = [

@@ -17,8 +17,8 @@ from solids import (
 )
 
 from warpdem.errors import GeometryError
-from warpdem.orientation import matrix
-from warpdem.polyhedron import build
+from warpdem.geometry.orientation import matrix
+from warpdem.geometry.polyhedron import build
 
 
 def cube(faces=CUBE_FACES, corners=CUBE_CORNERS, **options):

@@ -12,11 +12,12 @@ import pyvista
 from falling import SCENE, Falling
 from test_output import files_at_most, tiny_disk
 
-from warpdem import decode, runner
 from warpdem.errors import OutputError, UnstableError, WarpdemError
-from warpdem.interrupts import Interrupted
+from warpdem.input import decode
 from warpdem.output import checkpoint as checkpoints
 from warpdem.output.folder import claimed
+from warpdem.running import runner
+from warpdem.running.interrupts import Interrupted
 
 
 @pytest.fixture(autouse=True)

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from warpdem.consistency import consistency
-from warpdem.scene import Contact, Scene
-from warpdem.scene_run import ROCKABLE, Numerics, Run
+from warpdem.input.consistency import consistency
+from warpdem.input.scene import Contact, Scene
+from warpdem.input.scene_run import ROCKABLE, Numerics, Run
 
 BALL = {"kind": "sphere", "name": "ball", "radius": 0.1}
 BOX = {"kind": "box", "name": "box", "size": [1, 1, 2]}

@@ -7,7 +7,7 @@ import pytest
 
 from warpdem import load
 from warpdem.__main__ import main
-from warpdem.check import check
+from warpdem.checks.check import check
 
 SCENES = sorted((Path(__file__).resolve().parents[1] / "scenes").glob("*.toml"))
 

@@ -8,7 +8,10 @@ import pytest
 from solids import CUBE_CORNERS, CUBE_FACES, soup, split
 
 from warpdem.errors import GeometryError
-from warpdem.scene_shapes import (
+from warpdem.geometry.shapes import polyhedron_of
+from warpdem.geometry.shp import read_shp
+from warpdem.geometry.terrain import Raster, terrain
+from warpdem.input.scene_shapes import (
     BoxShape,
     MeshShape,
     PolyhedronShape,
@@ -16,9 +19,6 @@ from warpdem.scene_shapes import (
     SphereShape,
     TerrainShape,
 )
-from warpdem.shapes import polyhedron_of
-from warpdem.shp import read_shp
-from warpdem.terrain import Raster, terrain
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 HERE = Path()

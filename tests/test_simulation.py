@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from colliding import FLOOR, LAW, heap, run, same, scene, strips
 
+from warpdem.checks.timestep import masses
 from warpdem.errors import UnstableError, WarpdemError
-from warpdem.scene import Scene
+from warpdem.input.scene import Scene
 from warpdem.simulation import Simulation
-from warpdem.timestep import masses
 
 STATIC = {"shape": "cube", "position": [0.0, 0.0, 0.499975]}
 """A cube that rests on the floor."""

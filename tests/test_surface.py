@@ -17,10 +17,10 @@ from solids import (
     split,
 )
 
-from warpdem.clearance import distances
-from warpdem.polyhedron import build
-from warpdem.shapes import box
-from warpdem.terrain import Raster, terrain
+from warpdem.filling.clearance import distances
+from warpdem.geometry.polyhedron import build
+from warpdem.geometry.shapes import box
+from warpdem.geometry.terrain import Raster, terrain
 
 TWO_CUBES_IN_ONE_VERTEX = (
     [*CUBE_CORNERS, *(np.array(CUBE_CORNERS[:6] + CUBE_CORNERS[7:]) - 1.0).tolist()],

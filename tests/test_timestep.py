@@ -5,12 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from warpdem.check import build_shapes
-from warpdem.decode import loads
-from warpdem.errors import SceneError
-from warpdem.placement import place
-from warpdem.scene import Scene
-from warpdem.timestep import (
+from warpdem.checks.check import build_shapes
+from warpdem.checks.timestep import (
     automatic_step,
     block_bound,
     contact_time,
@@ -19,6 +15,10 @@ from warpdem.timestep import (
     zeta_bilateral,
     zeta_clamped,
 )
+from warpdem.errors import SceneError
+from warpdem.filling.placement import place
+from warpdem.input.decode import loads
+from warpdem.input.scene import Scene
 
 REFERENCE = Path(__file__).parents[2] / "shared/reference/analytic/restitution_inverse.json"
 

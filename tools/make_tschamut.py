@@ -13,9 +13,9 @@ DATA = SCENES / "data" / "tschamut"
 # clear distance between two released blocks, centre to centre [m]
 APART = 1.0
 
-HEAD = """# Blocks of the Tschamut field test fall down their slope: measured shapes, masses and release
-# states (EnviDat, doi:10.16904/envidat.34, ODbL; see data/tschamut/README.md) on its terrain as a
-# triangle mesh, with the default contact law. Written by tools/make_tschamut.py.
+HEAD = """# Blocks of the Tschamut field test fall down their slope: measured shapes, masses and
+# release states (EnviDat, doi:10.16904/envidat.34, ODbL; see data/tschamut/README.md) on its
+# terrain as a triangle mesh, with the default contact law. Written by tools/make_tschamut.py.
 #   python -m warpdem scenes/tschamut_blocks.toml
 title = "blocks of the Tschamut field test on their terrain"
 
@@ -97,7 +97,7 @@ def body(row: dict[str, str], block: dict[str, str], place: tuple[float, float, 
     # clear of the ground however the block lies: the table's heights are not those of the raster
     reach = 0.5 * math.hypot(*size)
     height = highest(place[0], place[1], reach) + reach + 0.02
-    return f'''
+    return f"""
 [[body]]
 name = "{row["trajectory_id"]}"
 shape = "block {block["block_id"]}"
@@ -105,7 +105,7 @@ group = "rock"
 position = [{place[0]:g}, {place[1]:g}, {height:.4f}]
 velocity = [{velocity}]
 density = {density:.1f}
-'''
+"""
 
 
 def highest(x: float, y: float, reach: float) -> float:

@@ -24,9 +24,9 @@ from warpdem.errors import (
 )
 
 if TYPE_CHECKING:
-    from warpdem.decode import load, loads
-    from warpdem.runner import run
-    from warpdem.scene import Scene
+    from warpdem.input.decode import load, loads
+    from warpdem.input.scene import Scene
+    from warpdem.running.runner import run
     from warpdem.simulation import Simulation
     from warpdem.snapshot import Contacts, Energy, Snapshot
 
@@ -53,12 +53,12 @@ __all__ = [
 _HOMES = {
     "Contacts": "snapshot",
     "Energy": "snapshot",
-    "Scene": "scene",
+    "Scene": "input.scene",
     "Simulation": "simulation",
     "Snapshot": "snapshot",
-    "load": "decode",
-    "loads": "decode",
-    "run": "runner",
+    "load": "input.decode",
+    "loads": "input.decode",
+    "run": "running.runner",
 }
 
 

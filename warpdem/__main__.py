@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from warpdem import __version__
 from warpdem.errors import WarpdemError
-from warpdem.interrupts import SIGNALLED
+from warpdem.running.interrupts import SIGNALLED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -7,22 +7,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
+from warpdem.checks.restitution import zeta_bilateral, zeta_clamped
+from warpdem.checks.timestep import masses
 from warpdem.device_shapes import shape_arrays
 from warpdem.features import Features, has_tree, large_bodies
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Geometry, Inertia, Material
 from warpdem.model import Model, on
-from warpdem.restitution import zeta_bilateral, zeta_clamped
 from warpdem.state import State, allocate
-from warpdem.timestep import masses
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from warpdem.arrays import FloatArray
-    from warpdem.placement import Placement
-    from warpdem.polyhedron import Polyhedron
-    from warpdem.scene import Scene
+    from warpdem.filling.placement import Placement
+    from warpdem.geometry.polyhedron import Polyhedron
+    from warpdem.input.scene import Scene
 
 # of the median bounding radius of the free bodies, to begin with
 SKIN = 0.12

@@ -16,7 +16,7 @@ from warpdem.model import on
 
 if TYPE_CHECKING:
     from warpdem.arrays import FloatArray, IntArray
-    from warpdem.polyhedron import Polyhedron
+    from warpdem.geometry.polyhedron import Polyhedron
 
 # neighbouring faces whose normals differ by less are one plane: they share one border half-space
 FLAT = 1e-7

@@ -10,10 +10,10 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from warpdem.placement import Placement
-    from warpdem.polyhedron import Polyhedron
-    from warpdem.scene import Contact, Scene
-    from warpdem.scene_run import Numerics
+    from warpdem.filling.placement import Placement
+    from warpdem.geometry.polyhedron import Polyhedron
+    from warpdem.input.scene import Contact, Scene
+    from warpdem.input.scene_run import Numerics
 
 # a shape with more features than this is searched through a tree instead of one by one
 TREE_FEATURES = 128

@@ -11,25 +11,25 @@ import warp as wp
 
 from warpdem import observe, resume
 from warpdem.build import build
-from warpdem.check import build_shapes
+from warpdem.checks.check import build_shapes
+from warpdem.checks.timestep import automatic_step
 from warpdem.compile import load
 from warpdem.devices import find_device
 from warpdem.errors import UnstableError
 from warpdem.features import features_of, stage_names
+from warpdem.filling.placement import place
 from warpdem.kernels.integrate import orient
 from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.precision import real
 from warpdem.lists import Lists
-from warpdem.placement import place
 from warpdem.stages import Stage, after_drift, drift, forces, halt, kick
 from warpdem.state import cut
 from warpdem.stepper import Stepper, launch
-from warpdem.timestep import automatic_step
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from warpdem.scene import Scene
+    from warpdem.input.scene import Scene
     from warpdem.snapshot import Snapshot
 
 # bodies a host thread must have for the meetings to pay: two a step, about 2 us each

@@ -3,8 +3,8 @@
 import numpy as np
 
 from scenes import DEPTH, ball, body, box, laboratory, law, record, tilted
-from warpdem.orientation import product
-from warpdem.orientation import turned as rotated
+from warpdem.geometry.orientation import product
+from warpdem.geometry.orientation import turned as rotated
 
 SHARP = 1e-9
 

@@ -9,7 +9,7 @@ from math import acos, acosh, exp, sqrt
 
 import numpy as np
 
-from warpdem.scene import Scene
+from warpdem.input.scene import Scene
 from warpdem.simulation import Simulation
 
 # rounding of the floor; sharp corners sink into it and stay clear of its core

@@ -16,7 +16,7 @@ from warpdem.kernels.rotation import (
 )
 from warpdem.kernels.tangential import coulomb, follow, radial_return, slip_direction
 
-from warpdem.orientation import product, turned
+from warpdem.geometry.orientation import product, turned
 
 UP = vec3(0.0, 0.0, 1.0)
 AT_REST = quat(0.0, 0.0, 0.0, 1.0)

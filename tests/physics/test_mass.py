@@ -5,8 +5,8 @@ from math import acos, pi, sqrt
 import numpy as np
 import pytest
 
-from warpdem.polyhedron import build
-from warpdem.shapes import box
+from warpdem.geometry.polyhedron import build
+from warpdem.geometry.shapes import box
 
 
 def moments_of_height(a, b, c, r):

@@ -5,7 +5,7 @@ import pytest
 from impacts import order_of
 from tops import angle_between, free_rotor, heavy_top, principal_momentum
 
-from warpdem.orientation import product, turned
+from warpdem.geometry.orientation import product, turned
 
 MOMENTS = np.array([1.0, 2.0, 3.0])
 SPIN = np.array([1.0, 1.0, 1.0])

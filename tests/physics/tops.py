@@ -6,7 +6,7 @@ from warpdem.kernels.precision import quat, real, vec3
 from warpdem.kernels.rotation import free_drift
 
 from scenes import laboratory, law
-from warpdem.orientation import product, turned
+from warpdem.geometry.orientation import product, turned
 
 
 def angle_between(q, other):

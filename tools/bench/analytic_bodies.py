@@ -10,8 +10,8 @@ from analytic_row import Row, compared, fact
 from blocks import Column, growth, limit_of_stability, mode_frequency, on_slope, overhang
 from rolling import decay, descent, slip_to_roll
 
-from warpdem.polyhedron import build
-from warpdem.shapes import box
+from warpdem.geometry.polyhedron import build
+from warpdem.geometry.shapes import box
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

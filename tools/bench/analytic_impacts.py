@@ -25,7 +25,7 @@ from impacts import (
 )
 
 from scenes import law
-from warpdem.restitution import zeta_bilateral, zeta_clamped
+from warpdem.checks.restitution import zeta_bilateral, zeta_clamped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

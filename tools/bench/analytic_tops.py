@@ -11,7 +11,7 @@ from analytic_row import Row, compared, order_row
 from impacts import order_of
 from tops import angle_between, euler_zxz, free_rotor, heavy_top, principal_momentum
 
-from warpdem.orientation import turned
+from warpdem.geometry.orientation import turned
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rockable import angles, verdict
 
-from warpdem.scene import Scene
+from warpdem.input.scene import Scene
 from warpdem.simulation import Simulation
 
 if TYPE_CHECKING:

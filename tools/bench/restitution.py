@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rockable import verdict
 
-from warpdem.orientation import product, turned
-from warpdem.scene import Scene
+from warpdem.geometry.orientation import product, turned
+from warpdem.input.scene import Scene
 from warpdem.simulation import Simulation
 
 if TYPE_CHECKING:

@@ -24,8 +24,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from warpdem.orientation import product
-from warpdem.scene import Scene
+from warpdem.geometry.orientation import product
+from warpdem.input.scene import Scene
 from warpdem.simulation import Simulation
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from warpdem.scene import Scene
+    from warpdem.input.scene import Scene
 
 VERSION = 1
 """Of the file's layout; a change makes older checkpoints unreadable, and says so."""

@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
     from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
 
+    from warpdem.filling.placement import Placement
+    from warpdem.geometry.polyhedron import Polyhedron
+    from warpdem.input.scene import Output
     from warpdem.output.checkpoint import Checkpoint
     from warpdem.output.folder import RunFolder
     from warpdem.output.writer import Writer
-    from warpdem.placement import Placement
-    from warpdem.polyhedron import Polyhedron
-    from warpdem.scene import Output
     from warpdem.snapshot import Snapshot
 
 TRAJECTORY = "trajectory.csv"

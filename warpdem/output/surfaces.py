@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from warpdem.orientation import matrix
-from warpdem.timestep import masses
+from warpdem.checks.timestep import masses
+from warpdem.geometry.orientation import matrix
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
 
     from warpdem.arrays import FloatArray
-    from warpdem.placement import Placement
-    from warpdem.polyhedron import Polyhedron
+    from warpdem.filling.placement import Placement
+    from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.snapshot import Snapshot
 
 

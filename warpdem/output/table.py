@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.errors import OutputError
-from warpdem.orientation import product
+from warpdem.geometry.orientation import product
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -1,0 +1,147 @@
+"""What a scene would build and what is doubtful about it, without building it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warpdem.checks import doubts
+from warpdem.checks.overlap import overlaps_at_start
+from warpdem.checks.report import Report, ShapeLine
+from warpdem.checks.timestep import TimeStep, automatic_step, masses
+from warpdem.errors import GeometryError, Problem, SceneError
+from warpdem.features import features_of, stage_names
+from warpdem.filling.placement import Placement, place
+from warpdem.geometry.shapes import polyhedron_of
+from warpdem.input.decode import problem_at
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from warpdem.features import Features
+    from warpdem.geometry.polyhedron import Polyhedron
+    from warpdem.input.scene import Scene
+
+BODY_BYTES = 700
+"""Positions, orientations, momenta, forces, shape and group of a body, and their checkpoint."""
+
+VERTEX_BYTES = 24
+"""A vertex of a body turned into the world."""
+
+PAIR_BYTES = 170
+"""Forces and bookkeeping of two bodies near one another."""
+
+CANDIDATE_BYTES = 250
+"""History and geometry of two features near one another, twice while a list is renewed."""
+
+NEIGHBOURS = 6
+"""Pairs of each free body in a dense packing."""
+
+CANDIDATES = 11
+"""Candidates of each vertex of a free body in a dense packing (measured for cubes, skin 8 %)."""
+
+
+def check(scene: Scene) -> Report:
+    """What a scene would build: bodies, features, time step, memory, stages; and its doubts.
+
+    Raises:
+        SceneError: Shapes cannot be built from what the scene says, or bodies not be placed;
+            carries all problems.
+    """
+    polyhedra = build_shapes(scene)
+    placement = place(scene, polyhedra)
+    step, problems = _step(scene, placement, polyhedra)
+    features = features_of(scene, placement, polyhedra)
+    mass = masses(placement, polyhedra)[0]
+    start = overlaps_at_start(placement, polyhedra)
+    near = f"{start.near} pairs of bodies have bounding spheres that overlap at the start"
+    return Report(
+        file=str(scene.source or "scene"),
+        title=scene.title,
+        shapes=_shape_lines(scene, placement, polyhedra),
+        groups=_group_lines(placement),
+        mass=float(mass[~placement.fixed].sum()),
+        step=step,
+        duration=scene.run.duration,
+        frames=_frame_count(scene),
+        memory=_memory(placement, polyhedra, features),
+        stages=stage_names(features),
+        notes=(
+            *(f'shape "{s.name}": {note}' for s in polyhedra.values() for note in s.notes),
+            *placement.notes,
+            *([near] if start.near else []),
+        ),
+        warnings=(*doubts.all_of(scene, placement, polyhedra, step), *start.warnings),
+        problems=tuple(problems),
+    )
+
+
+def build_shapes(scene: Scene) -> dict[str, Polyhedron]:
+    """The polyhedron of each shape by name, in the order of the scene.
+
+    Raises:
+        SceneError: Some shapes are no solids; carries a problem for each.
+    """
+    built: dict[str, Polyhedron] = {}
+    problems: list[Problem] = []
+    for index, shape in enumerate(scene.shape):
+        try:
+            built[shape.name] = polyhedron_of(shape, scene.directory)
+        except GeometryError as error:
+            problems.append(problem_at(scene, ("shape", index), str(error)))
+    if problems:
+        raise SceneError(str(scene.source or "scene"), problems)
+    return built
+
+
+def _step(
+    scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
+) -> tuple[TimeStep | None, list[Problem]]:
+    try:
+        return automatic_step(scene, placement, polyhedra), []
+    except SceneError as error:
+        return None, error.problems
+
+
+def _shape_lines(
+    scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
+) -> tuple[ShapeLine, ...]:
+    lines = []
+    for index, (name, shape) in enumerate(polyhedra.items()):
+        fixed = placement.fixed[placement.shape == index]
+        lines.append(
+            ShapeLine(
+                name,
+                scene.shape[index].kind,
+                int((~fixed).sum()),
+                int(fixed.sum()),
+                len(shape.vertices),
+                len(shape.edges),
+                len(shape.face_normals),
+                shape.volume,
+            )
+        )
+    return tuple(lines)
+
+
+def _group_lines(placement: Placement) -> tuple[tuple[str, int, int], ...]:
+    fixed = [placement.fixed[placement.group == k] for k in range(len(placement.groups))]
+    counts = zip(placement.groups, fixed, strict=True)
+    return tuple((name, int((~of).sum()), int(of.sum())) for name, of in counts if len(of))
+
+
+def _frame_count(scene: Scene) -> int:
+    # The last frame is at the end; a multiple within a billionth of it is the same one.
+    return 1 + int(np.ceil(scene.run.duration / scene.frame_interval * (1.0 - 1e-9)))
+
+
+def _memory(placement: Placement, polyhedra: Mapping[str, Polyhedron], has: Features) -> int:
+    vertices = np.array([len(shape.vertices) for shape in polyhedra.values()], dtype=int)
+    own = vertices[placement.shape]
+    total = BODY_BYTES * len(own) + VERTEX_BYTES * int(own.sum())
+    if has.contacts:
+        free = own[~placement.fixed]
+        total += PAIR_BYTES * NEIGHBOURS * len(free)
+        total += CANDIDATE_BYTES * int(np.maximum(CANDIDATES * free, NEIGHBOURS).sum())
+    return total

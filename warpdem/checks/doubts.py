@@ -1,0 +1,101 @@
+"""What a scene allows but probably does not mean."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warpdem.checks.timestep import masses
+from warpdem.input.scene_references import meeting_groups
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from warpdem.arrays import FloatArray
+    from warpdem.checks.timestep import TimeStep
+    from warpdem.filling.placement import Placement
+    from warpdem.geometry.polyhedron import Polyhedron
+    from warpdem.input.scene import Scene
+
+SOFT = 0.05
+"""Overlap under a body's own weight, or at impact, worth a warning, in bounding radii."""
+
+LONG = 1e9
+"""Number of steps worth a warning."""
+
+
+def all_of(
+    scene: Scene,
+    placement: Placement,
+    polyhedra: Mapping[str, Polyhedron],
+    step: TimeStep | None,
+) -> tuple[str, ...]:
+    """The doubts about a placed scene, in words."""
+    bound = np.array([shape.bound for shape in polyhedra.values()])[placement.shape]
+    radii = bound * placement.scale
+    return (
+        *_idle(scene, placement, polyhedra),
+        *_slippery(scene),
+        *_steps(scene, step),
+        *_soft(scene, placement, polyhedra, radii),
+    )
+
+
+def _idle(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]) -> Iterator[str]:
+    if len(placement.fixed) == 0:
+        yield "there are no bodies"
+    elif placement.fixed.all():
+        yield "no body is free: nothing can change"
+    used = {list(polyhedra)[k] for k in np.unique(placement.shape)}
+    yield from (f'no body has the shape "{name}"' for name in polyhedra if name not in used)
+    present = {placement.groups[k] for k in np.unique(placement.group)}
+    for group in scene.group:
+        if group.name not in present:
+            yield f'no body is in the group "{group.name}"'
+
+
+def _slippery(scene: Scene) -> Iterator[str]:
+    for index, law in enumerate(scene.contact):
+        if law.mu > 0.0 and law.kt == 0.0:
+            yield f"contact[{index}]: kt = 0 leaves no friction in spite of mu = {law.mu:g}"
+
+
+def _steps(scene: Scene, step: TimeStep | None) -> Iterator[str]:
+    if step and step.message:
+        yield step.message
+    if step and scene.run.duration / step.dt > LONG:
+        count = scene.run.duration / step.dt
+        yield f"{count:.2g} steps: lower kn or run.duration, or take larger bodies"
+    if scene.frame_interval > scene.run.duration:
+        yield "output.every is longer than run.duration: only the start and the end are written"
+
+
+def _soft(
+    scene: Scene,
+    placement: Placement,
+    polyhedra: Mapping[str, Polyhedron],
+    radii: FloatArray,
+) -> Iterator[str]:
+    """Contacts that weight or impact would press in deeply, each law by its worst body."""
+    mass = masses(placement, polyhedra)[0]
+    gravity = float(np.linalg.norm(scene.gravity.vector))
+    speed = np.linalg.norm(placement.velocity, axis=1)
+    table = scene.contact_table(placement.groups)
+    for pair in meeting_groups(scene):
+        groups = [placement.groups.index(name) for name in pair if name in placement.groups]
+        bodies = np.flatnonzero(~placement.fixed & np.isin(placement.group, groups))
+        if pair not in table or len(bodies) == 0:
+            continue
+        kn = table[pair].kn
+        rest = mass[bodies] * gravity / kn
+        impact = speed[bodies] * np.sqrt(mass[bodies] / kn)
+        for depth, cause in ((rest, "under its weight"), (impact, "at its initial velocity")):
+            share = depth / radii[bodies]
+            worst = int(np.argmax(share))
+            if share[worst] > SOFT:
+                name = placement.names[bodies[worst]]
+                yield (
+                    f'contacts of "{pair[0]}" and "{pair[1]}": kn = {kn:g} N/m lets "{name}" sink '
+                    f"in by {share[worst]:.2g} times its radius {cause}"
+                )

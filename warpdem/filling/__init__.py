@@ -1,0 +1,1 @@
+"""Bodies put into place without overlap."""

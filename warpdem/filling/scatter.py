@@ -1,0 +1,174 @@
+"""Where generated bodies go: centres of balls that meet neither one another nor anything else."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warpdem.filling.ballgrid import BallGrid
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from warpdem.arrays import BoolArray, FloatArray, IntArray
+
+    Blocked = Callable[[FloatArray, FloatArray], BoolArray]
+
+_APART = 1.0 + 1e-9  # balls that would just touch keep apart by rounding
+# few, since a ball that loses its place to another of the round has spent them all
+_TRIES_A_ROUND = 4
+_TRIES = 100  # random places a ball may try on the average
+_BATCH = 4000  # places tried at once at least
+
+
+class Balls:
+    """Balls that have their place; a few layers, each at least twice as full as the next."""
+
+    def __init__(self) -> None:
+        self._layers: list[_Layer] = []
+
+    def add(self, centres: FloatArray, radii: FloatArray) -> None:
+        """Add balls, shapes [n, 3] and [n]."""
+        if not len(radii):
+            return
+        while self._layers and len(self._layers[-1].radii) < 2 * len(radii):
+            layer = self._layers.pop()
+            centres = np.concatenate([layer.centres, centres])
+            radii = np.append(layer.radii, radii)
+        self._layers.append(_Layer(centres, radii))
+
+    def touched(self, centres: FloatArray, radii: FloatArray, largest: float) -> BoolArray:
+        """Which of other balls meet one of these, shape [n]; ``largest`` bounds their radii."""
+        touched = np.zeros(len(radii), bool)
+        for layer in self._layers:
+            free = np.flatnonzero(~touched)
+            touched[free] = layer.touched(centres[free], radii[free], largest)
+        return touched
+
+
+class _Layer:
+    """Balls with a grid for others up to a radius, made anew when that changes."""
+
+    def __init__(self, centres: FloatArray, radii: FloatArray) -> None:
+        self.centres, self.radii = centres, radii
+        self._grid: tuple[float, BallGrid] | None = None
+
+    def touched(self, centres: FloatArray, radii: FloatArray, largest: float) -> BoolArray:
+        if self._grid is None or self._grid[0] != largest:
+            reach = (self.radii + largest) * _APART
+            self._grid = largest, BallGrid(self.centres, reach)
+        ball, mine = self._grid[1].near(centres)
+        apart = centres[ball] - self.centres[mine]
+        square = np.einsum("ij,ij->i", apart, apart)
+        touched = np.zeros(len(radii), bool)
+        touched[ball[square < ((radii[ball] + self.radii[mine]) * _APART) ** 2]] = True
+        return touched
+
+
+def lattice(low: FloatArray, high: FloatArray, radius: float, spacing: float) -> FloatArray:
+    """Sites of a simple cubic lattice of balls inside a box, x fastest, from its lowest corner.
+
+    Args:
+        low: Lowest corner of the box [m], shape [3].
+        high: Highest corner [m], shape [3].
+        radius: Of the balls [m].
+        spacing: Clear distance between neighbours [m].
+
+    Returns:
+        Centres, shape [site_count, 3].
+    """
+    free = high - low - 2.0 * radius
+    pitch = (2.0 * radius + spacing) * _APART
+    # a box of exactly so many balls holds them, the margin notwithstanding
+    steps = np.floor(free / pitch + 1e-6).astype(np.int64)
+    if (free < -1e-9 * radius).any():
+        return np.zeros((0, 3))
+    steps = np.maximum(steps, 0)
+    x, y, z = (
+        low[axis]
+        + radius
+        + np.minimum(pitch, max(free[axis], 0.0) / max(1, steps[axis])) * np.arange(steps[axis] + 1)
+        for axis in range(3)
+    )
+    sites = np.stack(np.meshgrid(z, y, x, indexing="ij"), axis=-1).reshape(-1, 3)
+    return sites[:, ::-1]
+
+
+def random_places(
+    generator: np.random.Generator,
+    low: FloatArray,
+    high: FloatArray,
+    radii: FloatArray,
+    blocked: Blocked,
+) -> tuple[FloatArray, BoolArray]:
+    """Random places in a box for balls, the largest first, none meeting another.
+
+    Each place is drawn evenly from where the ball lies inside the box, and again when it is taken;
+    after 100 draws a ball on the average the rest are left out.
+
+    Args:
+        generator: Source of randomness.
+        low: Lowest corner of the box [m], shape [3].
+        high: Highest corner [m], shape [3].
+        radii: Of the balls [m], shape [ball_count].
+        blocked: Says which balls, by centres and radii, meet something else.
+
+    Returns:
+        Centres, shape [ball_count, 3], and whether each ball has a place, shape [ball_count].
+    """
+    centres = np.zeros((len(radii), 3))
+    placed = np.zeros(len(radii), bool)
+    fits = 2.0 * radii <= (high - low).min()
+    order = np.argsort(-radii, kind="stable")
+    order = order[fits[order]]
+    balls = Balls()
+    # balls of a size within a factor two take their turn together
+    octave = np.floor(np.log2(radii[order] / radii[order].max(initial=1e-300)))
+    for group in np.split(order, np.flatnonzero(np.diff(octave)) + 1):
+        region, result = (low, high), (centres, placed)
+        _scatter(generator, region, radii, group, result=result, balls=balls, blocked=blocked)
+    return centres, placed
+
+
+def _scatter(
+    generator: np.random.Generator,
+    box: tuple[FloatArray, FloatArray],
+    radii: FloatArray,
+    group: IntArray,
+    *,
+    result: tuple[FloatArray, BoolArray],
+    balls: Balls,
+    blocked: Blocked,
+) -> None:
+    """Place the balls in ``group``, in rounds."""
+    centres, placed = result
+    budget = _TRIES * len(group)
+    largest = float(radii[group].max(initial=0.0))
+    while len(group) and budget > 0:
+        share = min(_BATCH // len(group), budget // len(group), _TRIES_A_ROUND)
+        tries = np.repeat(group, max(1, share))
+        budget -= len(tries)
+        reach = radii[tries]
+        low, high = box[0] + reach[:, None], box[1] - reach[:, None]
+        where = low + generator.random((len(tries), 3)) * (high - low)
+        free = np.flatnonzero(~balls.touched(where, reach, largest))
+        free = free[~blocked(where[free], reach[free])]
+        _, first = np.unique(tries[free], return_index=True)
+        free = free[np.sort(first)]
+        free = free[_undisputed(where[free], reach[free])]
+        chosen = tries[free]
+        centres[chosen], placed[chosen] = where[free], True
+        balls.add(where[free], reach[free])
+        group = group[~placed[group]]
+
+
+def _undisputed(centres: FloatArray, radii: FloatArray) -> BoolArray:
+    """Balls that meet none before them in the row, shape [n]."""
+    undisputed = np.ones(len(radii), bool)
+    if len(radii) > 1:
+        later, earlier = BallGrid(centres, radii + radii.max()).near(centres)
+        later, earlier = later[earlier < later], earlier[earlier < later]
+        distance = np.linalg.norm(centres[later] - centres[earlier], axis=1)
+        undisputed[later[distance < (radii[later] + radii[earlier]) * _APART]] = False
+    return undisputed

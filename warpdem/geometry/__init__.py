@@ -1,0 +1,1 @@
+"""Shapes: polyhedra, their mass, their surfaces, their files."""

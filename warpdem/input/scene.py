@@ -1,0 +1,215 @@
+"""The scene: everything a run depends on. The docstrings here are the manual of its file format."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from pydantic_core import InitErrorDetails, PydanticCustomError
+
+from warpdem.input.consistency import consistency
+from warpdem.input.scene_fill import Fill
+from warpdem.input.scene_run import Run
+from warpdem.input.scene_shapes import Shape
+from warpdem.input.scene_values import (
+    Name,
+    NotNegative,
+    Positive,
+    Quaternion,
+    Section,
+    Vector,
+)
+
+
+class Gravity(Section):
+    """The acceleration of free fall."""
+
+    vector: Vector = (0.0, 0.0, -9.81)
+    """Acceleration [m/s^2]; [0, 0, 0] switches it off."""
+
+
+class Group(Section):
+    """A set of bodies alike in material; contact parameters belong to pairs of groups."""
+
+    name: Name
+    """By which bodies and contacts refer to it."""
+
+    density: Positive | None = None
+    """Mass per volume of its bodies, unless they have their own [kg/m^3]."""
+
+
+class Body(Section):
+    """One body, free or driven."""
+
+    shape: Name
+    """Name of its shape."""
+
+    name: str = ""
+    """By which results refer to it; default: body[i]."""
+
+    group: Name = "default"
+    """Name of its group."""
+
+    cluster: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0
+    """Number of the cluster it is part of."""
+
+    position: Vector
+    """Where the origin of the shape's file goes (box, sphere: the centre) [m]."""
+
+    orientation: Quaternion = (1.0, 0.0, 0.0, 0.0)
+    """Unit quaternion w, x, y, z that turns the shape's own axes into the world's."""
+
+    velocity: Vector = (0.0, 0.0, 0.0)
+    """Velocity of the centre of mass [m/s]."""
+
+    spin: Vector = (0.0, 0.0, 0.0)
+    """Angular velocity, along the world's axes [rad/s]."""
+
+    scale: Positive = 1.0
+    """Homothety: the body is so many times its shape's size, rounding included."""
+
+    density: Positive | None = None
+    """Mass per volume [kg/m^3]; default: that of its group."""
+
+    fixed: bool = False
+    """true: no force moves it; it keeps its velocity and spin, so it is a wall or a driver."""
+
+
+class Contact(Section):
+    """The law of contact between two groups, or within one; parameters of each sub-contact."""
+
+    groups: Annotated[tuple[Name, ...], Field(min_length=2, max_length=2, strict=False)]
+    """The two groups, in any order; the same twice for contacts within a group."""
+
+    law: Literal["default"] = "default"
+    """"default": linear spring and dashpot that never pull, Coulomb friction with a spring."""
+
+    kn: Positive
+    """Normal stiffness [N/m]."""
+
+    kt: NotNegative
+    """Tangential stiffness [N/m]; 0 leaves no friction."""
+
+    en2: Annotated[float, Field(gt=0, le=1)]
+    """Energy kept by a rebound, the square of the restitution coefficient [-]."""
+
+    mu: NotNegative
+    """Friction coefficient [-]."""
+
+    kr: NotNegative = 0.0
+    """Rolling stiffness [N m/rad]; 0: no rolling resistance."""
+
+    mur: NotNegative = 0.0
+    """Rolling cap: the moment stays below mur times the normal force [m] (run.rolling_arm)."""
+
+    fc: NotNegative = 0.0
+    """Constant attraction while in contact [N]."""
+
+
+class Output(Section):
+    """What a run writes, and how often."""
+
+    every: Positive | None = None
+    """Simulated time between frames [s]; default: a fiftieth of run.duration."""
+
+    surface: bool = True
+    """Write the bodies' surfaces (bodies.pvd) for ParaView."""
+
+    contacts: bool = False
+    """Write the contacts (contacts.pvd)."""
+
+    table: bool = False
+    """Write every body at every frame as text (trajectory.csv)."""
+
+    energy: bool = True
+    """Keep account of the energies (energy.csv)."""
+
+    checkpoint_every: Positive | None = None
+    """Simulated time between checkpoints [s]; default: at every frame."""
+
+    compression: Literal["lz4", "zlib", "none"] = "lz4"
+    """Of the files for ParaView."""
+
+    fields: Annotated[
+        tuple[
+            Literal["body", "group", "cluster", "speed", "velocity", "spin", "force", "mass"], ...
+        ],
+        Field(strict=False),
+    ] = ("body", "group", "cluster", "speed", "velocity", "spin", "force", "mass")
+    """What is written with the surfaces."""
+
+
+class Scene(Section):
+    """All of a simulation's input, in SI units; one TOML file."""
+
+    title: str = ""
+    """What the scene shows."""
+
+    run: Run
+    """[run]: duration, time step and method."""
+
+    gravity: Gravity = Gravity()
+    """[gravity]: on by default, along -z."""
+
+    shape: Annotated[tuple[Shape, ...], Field(strict=False)] = ()
+    """[[shape]]: the solids, by name."""
+
+    group: Annotated[tuple[Group, ...], Field(strict=False)] = ()
+    """[[group]]: materials by name; a group without density may also just be named by bodies."""
+
+    body: Annotated[tuple[Body, ...], Field(strict=False)] = ()
+    """[[body]]: bodies given one by one."""
+
+    fill: Annotated[tuple[Fill, ...], Field(strict=False)] = ()
+    """[[fill]]: generated bodies."""
+
+    contact: Annotated[tuple[Contact, ...], Field(strict=False)] = ()
+    """[[contact]]: the laws between groups; one for each pair of groups that can meet."""
+
+    output: Output = Output()
+    """[output]: what is written."""
+
+    _source: Path | None = PrivateAttr(default=None)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if faults := consistency(self):
+            raise ValidationError.from_exception_data(
+                "Scene",
+                [
+                    InitErrorDetails(
+                        type=PydanticCustomError("scene", "{rule}", {"rule": fault.rule}),
+                        loc=fault.path,
+                        input=fault.value,
+                    )
+                    for fault in faults
+                ],
+            )
+        return self
+
+    def located(self, source: Path) -> "Scene":
+        """The same scene as read from the file ``source``."""
+        scene = self.model_copy()
+        scene._source = source  # noqa: SLF001 - of its own class
+        return scene
+
+    @property
+    def source(self) -> Path | None:
+        """The scene file, when there is one."""
+        return self._source
+
+    @property
+    def directory(self) -> Path:
+        """Folder at which relative paths start."""
+        return self._source.parent if self._source else Path()
+
+    @property
+    def frame_interval(self) -> float:
+        """Simulated time between frames [s]."""
+        return self.output.every or self.run.duration / 50.0
+
+    def contact_table(self, groups: Sequence[str]) -> dict[tuple[str, str], Contact]:
+        """Laws between the named groups, under both orders of each pair."""
+        wanted = set(groups)
+        laws = {contact.groups: contact for contact in self.contact if wanted >= {*contact.groups}}
+        return {pair: law for (a, b), law in laws.items() for pair in ((a, b), (b, a))}

@@ -1,0 +1,109 @@
+"""How a scene is run: the clock, the device and the numerics."""
+
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, Discriminator, Field, Tag
+
+from warpdem.input.scene_values import Positive, Section
+
+
+def _device(name: str) -> str:
+    index = name.removeprefix("cuda:")
+    if name in {"auto", "cpu", "cuda"} or (index != name and index.isdecimal()):
+        return name
+    raise ValueError('must be "auto", "cpu", "cuda" or "cuda:N"')
+
+
+AutoOrPositive = Annotated[
+    Annotated[Literal["auto"], Tag("word")] | Annotated[Positive, Tag("number")],
+    Discriminator(lambda value: "word" if isinstance(value, str) else "number"),
+]
+
+
+class Numerics(Section):
+    """How the equations are stepped; the defaults are the accurate ones."""
+
+    contact_update: Literal["predicted", "lagged"] = "predicted"
+    """Velocity a dashpot sees: "predicted", that of the step's end (second order); "lagged", that
+    of the half step (first order)."""
+
+    rotation: Literal["no_squish", "taylor"] = "no_squish"
+    """Drift of orientations: "no_squish", symplectic; "taylor", Rockable's, for comparison."""
+
+    damping: Literal["pair", "contact"] = "pair"
+    """What the restitution en2 holds for: "pair", a whole pair of bodies however many sub-contacts
+    it has; "contact", one sub-contact between centres."""
+
+    restitution: Literal["clamped", "bilateral"] = "clamped"
+    """How en2 becomes a damping ratio: "clamped", right for contacts that never pull;
+    "bilateral", the formula of a contact that pulls, which rebounds more than asked."""
+
+    friction_cap: Literal["total", "elastic"] = "total"
+    """What mu multiplies: "total", the normal force; "elastic", its elastic part kn |gap|."""
+
+    friction_frame: Literal["objective", "fixed"] = "objective"
+    """Whether the tangential force follows the contact as it turns: "objective", with the normal
+    and the spin about it; "fixed", it keeps its direction in space."""
+
+    opening: Literal["cancel", "keep"] = "cancel"
+    """What becomes of the tangential force when a contact opens: "cancel" or "keep" it."""
+
+    first_step: Literal["contacts", "gravity"] = "contacts"
+    """Forces of the very first half kick: "contacts", all; "gravity", gravity alone."""
+
+    rolling_arm: Literal["length", "branch"] = "length"
+    """Arm of the rolling cap: "length", mur is a length [m]; "branch", mur is a number that
+    multiplies the distance of the two centres of mass, or of the only free one from the contact."""
+
+
+ROCKABLE = Numerics(
+    contact_update="lagged",
+    rotation="taylor",
+    damping="contact",
+    restitution="bilateral",
+    friction_cap="elastic",
+    friction_frame="fixed",
+    opening="keep",
+    first_step="gravity",
+)
+"""The numerics of Rockable's program."""
+
+
+class Run(Numerics):
+    """What is simulated for how long, and by which method."""
+
+    duration: Positive
+    """Simulated time [s]."""
+
+    dt: AutoOrPositive = "auto"
+    """Time step [s]; "auto": a twentieth of the shortest contact and half of the stability bound,
+    then reduced to divide output.every."""
+
+    method: Literal["smooth"] = "smooth"
+    """"smooth": deformable contacts, resolved in time."""
+
+    device: Annotated[str, AfterValidator(_device)] = "auto"
+    """"auto" (a CUDA device if there is one), "cpu", "cuda" or "cuda:N"."""
+
+    precision: Literal["float64"] = "float64"
+    """Of positions, momenta and forces."""
+
+    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = 0
+    """Of all random numbers."""
+
+    skin: AutoOrPositive = "auto"
+    """Distance within which feature pairs are listed as candidates [m]; changes the speed, never
+    the result."""
+
+    compat: Literal["none", "rockable"] = "none"
+    """"rockable": the numerics of Rockable's program, to compare with it."""
+
+    list_distance: Positive | None = None
+    """Rockable's dVerlet [m]: features farther apart are unseen until lists are renewed; only with
+    compat."""
+
+    def resolved(self) -> Numerics:
+        """The numerics in force, after ``compat``."""
+        if self.compat == "rockable":
+            return ROCKABLE
+        return Numerics.model_validate({key: getattr(self, key) for key in Numerics.model_fields})

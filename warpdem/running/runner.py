@@ -1,0 +1,100 @@
+"""Runs a scene into a folder, from the folder's claim to the summary."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from warpdem.errors import WarpdemError
+from warpdem.output import checkpoint as checkpoints
+from warpdem.output.folder import claimed
+from warpdem.running.interrupts import Interrupts
+from warpdem.running.progress import Progress
+from warpdem.running.session import Session, frames
+
+if TYPE_CHECKING:
+    from warpdem.input.scene import Scene
+    from warpdem.output.checkpoint import Checkpoint
+    from warpdem.output.folder import RunFolder
+    from warpdem.simulation import Simulation
+
+NAMED = 5
+"""Changed keys an error names; the others it counts."""
+
+
+def run(
+    scene: Scene,
+    directory: str | Path,
+    *,
+    device: str | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+) -> int:
+    """Simulate a scene and write its results.
+
+    Args:
+        scene: What to simulate.
+        directory: Folder of the results, made if need be.
+        device: ``auto``, ``cpu``, ``cuda`` or ``cuda:N``; default: the scene's.
+        threads: Host threads; default: all cores. Results do not depend on it.
+        resume: Go on from the checkpoint in the folder; the files end up as though the run had
+            never stopped.
+        force: Replace the results in the folder. Files of other origin stay.
+        quiet: Say nothing on standard error.
+
+    Returns:
+        Exit status: 0, or 130 and 143 when SIGINT or SIGTERM ended it after a checkpoint.
+
+    Raises:
+        WarpdemError: The folder, the scene or the device does not allow it.
+        UnstableError: The motion blew up; what was written before stays.
+        OutputError: Results cannot be written; the last checkpoint is good.
+        Interrupted: A signal came before the first step; nothing was written.
+    """
+    progress = Progress(quiet=quiet)
+    with Interrupts() as signals, claimed(Path(directory), resume=resume, force=force) as folder:
+        start = _resumable(scene, folder) if resume else None
+        if start and frames(scene, start).done:
+            progress.tell(_nothing_left(folder, start))
+            return 0
+        simulation = _simulation(scene, start, device, threads, progress)
+        if not start:
+            folder.clear()
+        folder.clear_parts()
+        return Session(scene, simulation, folder, progress, signals, start).run()
+
+
+def _resumable(scene: Scene, folder: RunFolder) -> Checkpoint:
+    """The folder's checkpoint, if it is one of this scene."""
+    start = checkpoints.load(folder.checkpoint)
+    changed = checkpoints.changed_keys(start.scene, checkpoints.flat_scene(scene))
+    if changed:
+        more = f" and {len(changed) - NAMED} more" if len(changed) > NAMED else ""
+        raise WarpdemError(
+            f"{folder.path}: cannot resume, the scene differs from the one that was run in "
+            f"{', '.join(changed[:NAMED])}{more}"
+        )
+    return start
+
+
+def _nothing_left(folder: RunFolder, start: Checkpoint) -> str:
+    way_on = "to go on, raise run.duration"
+    return f"{folder.path}: already finished at t = {start.time:.6g} s; {way_on}"
+
+
+def _simulation(
+    scene: Scene,
+    start: Checkpoint | None,
+    device: str | None,
+    threads: int | None,
+    progress: Progress,
+) -> Simulation:
+    """The scene ready to run, from its checkpoint on if there is one."""
+    from warpdem.simulation import Simulation  # noqa: PLC0415 - loads Warp
+
+    simulation = Simulation(scene, device=device, threads=threads, progress=progress.work)
+    if start:
+        simulation.restore(start.state)
+    return simulation
