@@ -7,7 +7,7 @@ import warp as wp
 from warpdem.kernels.kinematics import Kinematics, branch, kinematics
 from warpdem.kernels.normal import hooke, hooke_predicted, onset
 from warpdem.kernels.precision import real, vec3, vec4
-from warpdem.kernels.tangential import coulomb, follow, radial_return
+from warpdem.kernels.tangential import coulomb, laid, radial_return, spun
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Candidates, Inertia, Material
 
@@ -66,13 +66,17 @@ def tangential_law(laws: Laws) -> wp.Function:
     def objective(
         motion: Kinematics, law: Material, normal: vec3, past: vec4, cap: real, step: real
     ):
+        # half of the spin before and half after: second order also while slip turns
+        half = real(0.5) * motion.turn
         old = vec3(past[0], past[1], past[2])
-        start = follow(old, normal, motion.turn)
+        start = spun(laid(old, normal), normal, half)
         limit = law.mu * wp.max(past[3], real(0.0))
         if wp.static(laws.elastic_cap or not laws.predicted):
-            return radial_return(start + motion.sliding * step, cap), start
+            force = radial_return(start + motion.sliding * step, cap)
+            return spun(force, normal, half), spun(start, normal, half)
         slid = past[3] >= real(0.0) and wp.length(old) >= (real(1.0) - real(1.0e-9)) * limit
-        return coulomb(start, motion.sliding, step, cap, limit, slid), start
+        force = coulomb(start, motion.sliding, step, cap, limit, slid)
+        return spun(force, normal, half), spun(start, normal, half)
 
     @wp.func
     def fixed(motion: Kinematics, law: Material, normal: vec3, past: vec4, cap: real, step: real):
@@ -97,14 +101,17 @@ def rolling_law(laws: Laws) -> wp.Function:
         arm: real,
         step: real,
     ):
-        tangent = follow(vec3(rolled[0], rolled[1], rolled[2]), normal, motion.turn)
-        start = tangent + normal * rolled[3]
+        half = real(0.5) * motion.turn
+        tangent = laid(vec3(rolled[0], rolled[1], rolled[2]), normal)
+        start = spun(tangent, normal, half) + normal * rolled[3]
         cap = law.mur * arm * fn
         limit = law.mur * arm * wp.max(past[3], real(0.0))
         if wp.static(not laws.predicted):
-            return radial_return(start + motion.spin * step, cap), start
+            moment = radial_return(start + motion.spin * step, cap)
+            return spun(moment, normal, half), spun(start, normal, half)
         slid = past[3] >= real(0.0) and wp.length(start) >= (real(1.0) - real(1.0e-9)) * limit
-        return coulomb(start, motion.spin, step, cap, limit, slid), start
+        moment = coulomb(start, motion.spin, step, cap, limit, slid)
+        return spun(moment, normal, half), spun(start, normal, half)
 
     @wp.func
     def fixed(
@@ -188,7 +195,11 @@ def apply_laws(laws: Laws) -> wp.Function:
                     before = wp.dot(carried, carried) / (real(2.0) * law.kt)
                     mean = real(0.5) * (tangential + carried)
                     account[0] = account[0] + stored
-                    account[2] = wp.dot(mean, motion.sliding) * dt * phi - stored + before
+                    sliding = motion.sliding
+                    if wp.static(laws.objective):
+                        # as seen from the frame of the step's end
+                        sliding = spun(sliding, normal, real(0.5) * motion.turn)
+                    account[2] = wp.dot(mean, sliding) * dt * phi - stored + before
         candidates.past[c] = vec4(tangential[0], tangential[1], tangential[2], fn)
         if wp.static(laws.rolling):
             if law.kr > real(0.0):
@@ -209,7 +220,10 @@ def apply_laws(laws: Laws) -> wp.Function:
                     before = wp.dot(carried, carried) / (real(2.0) * law.kr)
                     mean = real(0.5) * (moment + carried)
                     account[0] = account[0] + stored
-                    account[3] = wp.dot(mean, motion.spin) * dt * phi - stored + before
+                    spin = motion.spin
+                    if wp.static(laws.objective):
+                        spin = spun(spin, normal, real(0.5) * motion.turn)
+                    account[3] = wp.dot(mean, spin) * dt * phi - stored + before
         return force, wp.cross(point, force) + moment, account
 
     return apply_laws

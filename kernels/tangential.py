@@ -10,14 +10,20 @@ from warpdem.kernels.precision import real, vec3
 
 
 @wp.func
-def follow(t: vec3, n: vec3, angle: real) -> vec3:
-    """A tangent vector laid into the plane of ``n`` at its own length, then turned about ``n``."""
+def laid(t: vec3, n: vec3) -> vec3:
+    """A tangent vector laid into the plane of ``n`` at its own length."""
     flat = t - n * wp.dot(t, n)
     size = wp.dot(flat, flat)
     if size == real(0.0):
         return vec3()
-    flat = flat * wp.sqrt(wp.dot(t, t) / size)
-    return flat * wp.cos(angle) + wp.cross(n, flat) * wp.sin(angle)
+    return flat * wp.sqrt(wp.dot(t, t) / size)
+
+
+@wp.func
+def spun(t: vec3, n: vec3, angle: real) -> vec3:
+    """A vector turned about the unit vector ``n`` [rad]."""
+    along = n * wp.dot(t, n)
+    return along + (t - along) * wp.cos(angle) + wp.cross(n, t) * wp.sin(angle)
 
 
 @wp.func

@@ -164,7 +164,7 @@ def test_bodies_whose_bounding_spheres_overlap_are_counted():
         "fill=[]",
         "contact=[{groups=['rock', 'rock'], kn=1e6, kt=0, en2=1, mu=0}]",
     )
-    assert "1 pairs of bodies have bounding spheres that overlap at the start" in found.notes
+    assert "bounding spheres that overlap at the start: 1 (pairs of bodies)" in found.notes
 
 
 def test_shapes_that_are_no_solids_come_together_with_their_lines(tmp_path):

@@ -61,7 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: list[str]) -> int:
-    from warpdem import decode, runner  # noqa: PLC0415 - `schema` need not wait for it
+    from warpdem.input import decode  # noqa: PLC0415 - `schema` need not wait for it
+    from warpdem.running import runner  # noqa: PLC0415 - the same
 
     _refuse_unknown_command(arguments)
     options = _run_parser().parse_args(arguments)
@@ -78,7 +79,8 @@ def _run(arguments: list[str]) -> int:
 
 
 def _check(arguments: list[str]) -> int:
-    from warpdem import check, decode  # noqa: PLC0415 - `schema` need not wait for it
+    from warpdem.checks import check  # noqa: PLC0415 - only where it is needed
+    from warpdem.input import decode  # noqa: PLC0415 - `schema` need not wait for it
 
     parser = argparse.ArgumentParser(
         "python -m warpdem check", description="Print what a scene would build."
@@ -91,7 +93,7 @@ def _check(arguments: list[str]) -> int:
 
 
 def _schema(arguments: list[str]) -> int:
-    from warpdem import decode  # noqa: PLC0415 - the other commands need not wait for it
+    from warpdem.input import decode  # noqa: PLC0415 - the other commands need not wait for it
 
     argparse.ArgumentParser(
         "python -m warpdem schema", description="Print the JSON schema of scene files."

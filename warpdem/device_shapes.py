@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 # neighbouring faces whose normals differ by less are one plane: they share one border half-space
 FLAT = 1e-7
-# facets times vertices above which the thickness behind a face is estimated from the core's box
-THICKNESS_LIMIT = 10_000_000
+# faces times sides of a non-convex solid above which no thickness is looked for (some 4 s)
+THICKNESS_LIMIT = 400_000_000
 
 
 def shape_arrays(
@@ -89,18 +89,40 @@ def _features(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None
 
 
 def _depths(shape: Polyhedron) -> FloatArray:
-    """How far behind a face a vertex still belongs to it [m]: half the thickness, or of an edge."""
+    """How far behind each face a vertex still belongs to it [m], shape [face_count].
+
+    Half the thickness of the solid there; half the shortest side where there is none.
+    """
     faces = len(shape.face_offsets)
     if shape.two_sided or faces == 0:
         return np.zeros(faces)
-    if shape.closed:
-        if faces * len(shape.vertices) > THICKNESS_LIMIT:
-            return np.full(faces, 0.25 * float(np.min(shape.core_max - shape.core_min)))
-        lowest = (shape.face_normals @ shape.vertices.T).min(axis=1)
+    if shape.closed and shape.convex:
+        lowest = np.array([(shape.vertices @ normal).min() for normal in shape.face_normals])
         return 0.5 * (shape.face_offsets - lowest)
     ends = shape.vertices[shape.side_vertices]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    return 0.5 * np.minimum.reduceat(length, shape.side_start[:-1])
+    shortest = 0.5 * np.minimum.reduceat(length, shape.side_start[:-1])
+    if shape.closed and faces * len(ends) <= THICKNESS_LIMIT:
+        return 0.5 * _thickness(shape, ends[:, 0])
+    return shortest
+
+
+def _thickness(shape: Polyhedron, corners: FloatArray) -> FloatArray:
+    """Distance behind each face to the nearest face that looks the other way [m].
+
+    Whole faces count, also where they do not lie under the face: the wall of a cup must not reach
+    into its hollow.
+    """
+    extent = float(np.linalg.norm(shape.core_max - shape.core_min))
+    thickness = np.empty(len(shape.face_offsets))
+    for face, (normal, offset) in enumerate(
+        zip(shape.face_normals, shape.face_offsets, strict=True)
+    ):
+        below = offset - np.maximum.reduceat(corners @ normal, shape.side_start[:-1])
+        facing = (shape.face_normals @ normal < 0.0) & (below > 1e-9 * extent)
+        lowest = offset - float((shape.vertices @ normal).min())
+        thickness[face] = min(lowest, float(below[facing].min(initial=extent)))
+    return thickness
 
 
 def _sides(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
@@ -194,8 +216,12 @@ def feature_tree(shape: Polyhedron, device: Any) -> wp.Bvh:
     high = [shape.vertices, shape.vertices[shape.edges].max(axis=1).reshape(-1, 3)]
     corners = shape.vertices[shape.side_vertices[:, 0]]
     if len(shape.face_offsets):
-        low.append(np.minimum.reduceat(corners, shape.side_start[:-1], axis=0))
-        high.append(np.maximum.reduceat(corners, shape.side_start[:-1], axis=0))
+        # down to where a vertex behind the face still belongs to it
+        behind = -_depths(shape)[:, None] * shape.face_normals
+        lower = np.minimum.reduceat(corners, shape.side_start[:-1], axis=0)
+        upper = np.maximum.reduceat(corners, shape.side_start[:-1], axis=0)
+        low.append(np.minimum(lower, lower + behind))
+        high.append(np.maximum(upper, upper + behind))
     slack = 1e-6 * float(np.abs(shape.vertices).max())
     return wp.Bvh(
         wp.array((np.concatenate(low) - slack).astype(np.float32), dtype=wp.vec3, device=device),

@@ -287,9 +287,10 @@ class Simulation:
             if (i, j) not in self._sunk:
                 self._sunk.add((i, j))
                 names = self.placement.names
+                mend = "raise kn, or the rounding" if self.step_count else "move them apart"
                 self.notes.append(
                     f'bodies "{names[i]}" and "{names[j]}" overlap by {depth:.3g} m at '
-                    f"t = {self.time:.4g} s, more than their roundings: raise kn, or the rounding"
+                    f"t = {self.time:.4g} s, more than their roundings: {mend}"
                 )
 
     def _examine_step(self) -> None:

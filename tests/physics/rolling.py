@@ -97,8 +97,8 @@ def decay(*, spin, mur, beta, radius, g, kn, upright, until=None, steps=20):
     return {"deceleration": -np.polyfit(time[:-1], rate[:-1], 1)[0], "t_stop": stop}
 
 
-def lag_of_friction(*, speed, spin, mu, kn, kt, g, dt, time, beta=100.0):
-    """Angle from the sliding velocity to friction, of a ball that slides and spins upright [rad].
+def spinning_slide(*, speed, spin, mu, kn, kt, g, dt, time, beta=100.0):
+    """Snapshot of a ball that slides along x and spins upright.
 
     Its large moment of inertia and small weight leave its motion almost as it is.
     """
@@ -111,5 +111,10 @@ def lag_of_friction(*, speed, spin, mu, kn, kt, g, dt, time, beta=100.0):
         gravity=[0.0, 0.0, -g],
     )
     simulation.advance(time)
-    friction = simulation.snapshot(contacts=True).contacts.tangential_force[0]
+    return simulation.snapshot(contacts=True)
+
+
+def lag_of_friction(**slide):
+    """Angle from the sliding velocity to friction in a ``spinning_slide`` [rad]."""
+    friction = spinning_slide(**slide).contacts.tangential_force[0]
     return np.arctan2(-friction[1], -friction[0])

@@ -14,7 +14,7 @@ from warpdem.kernels.rotation import (
     no_squish,
     taylor_drift,
 )
-from warpdem.kernels.tangential import coulomb, follow, radial_return, slip_direction
+from warpdem.kernels.tangential import coulomb, laid, radial_return, slip_direction, spun
 
 from warpdem.geometry.orientation import product, turned
 
@@ -92,18 +92,18 @@ def test_pinched_body_has_at_least_the_frequency_of_a_single_contact():
 
 def test_followed_friction_keeps_its_length_and_lies_in_the_plane():
     old, normal = vec3(3.0, -1.0, 0.2), wp.normalize(vec3(0.1, 0.2, 1.0))
-    new = of(follow, old, normal, 0.0)
+    new = of(laid, old, normal)
     assert np.linalg.norm(new) == pytest.approx(np.linalg.norm(np.array(old)))
     assert new @ np.array(normal) == pytest.approx(0.0, abs=1e-15)
 
 
 def test_followed_friction_turns_with_the_spin_about_the_normal():
-    new = of(follow, vec3(2.0, 0.0, 0.0), UP, 0.3)
+    new = of(spun, vec3(2.0, 0.0, 0.0), UP, 0.3)
     assert new == pytest.approx([2.0 * np.cos(0.3), 2.0 * np.sin(0.3), 0.0])
 
 
 def test_friction_along_the_normal_is_forgotten():
-    assert (of(follow, vec3(0.0, 0.0, 2.0), UP, 0.3) == 0.0).all()
+    assert (of(laid, vec3(0.0, 0.0, 2.0), UP) == 0.0).all()
 
 
 def test_radial_return_cuts_to_the_cap_and_keeps_the_direction():

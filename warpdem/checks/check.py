@@ -55,7 +55,7 @@ def check(scene: Scene) -> Report:
     features = features_of(scene, placement, polyhedra)
     mass = masses(placement, polyhedra)[0]
     start = overlaps_at_start(placement, polyhedra)
-    near = f"{start.near} pairs of bodies have bounding spheres that overlap at the start"
+    near = f"bounding spheres that overlap at the start: {start.near} (pairs of bodies)"
     return Report(
         file=str(scene.source or "scene"),
         title=scene.title,

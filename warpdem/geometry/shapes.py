@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -201,11 +203,16 @@ def read_mesh(path: Path) -> tuple[FloatArray, IntArray | list[list[int]]]:
     """
     import meshio  # noqa: PLC0415  a scene without meshes starts faster
 
+    if path.is_dir():
+        raise GeometryError(f"{path}: is a folder; a mesh is an STL, OBJ or PLY file")
     try:
-        with np.errstate(over="ignore"):  # meshio multiplies an STL's first bytes to tell its kind
+        # meshio multiplies an STL's first bytes to tell its kind, and prints before it gives up
+        with np.errstate(over="ignore"), redirect_stdout(StringIO()), redirect_stderr(StringIO()):
             mesh = meshio.read(path)
-    except (OSError, meshio.ReadError, ValueError, SystemExit) as error:
-        raise GeometryError(f"{path}: {str(error) or 'cannot be read as a mesh'}") from None
+    except OSError as error:
+        raise GeometryError(f"{path}: {error.strerror or error}") from None
+    except (meshio.ReadError, ValueError, SystemExit):
+        raise GeometryError(f"{path}: cannot be read as an STL, OBJ or PLY mesh") from None
     blocks = [block.data for block in mesh.cells if block.dim == 2]
     if not blocks:
         raise GeometryError(f"{path}: holds no facets")
