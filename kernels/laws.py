@@ -7,7 +7,7 @@ import warp as wp
 from warpdem.kernels.kinematics import Kinematics, branch, kinematics
 from warpdem.kernels.normal import hooke, hooke_predicted, onset
 from warpdem.kernels.precision import real, vec3, vec4
-from warpdem.kernels.tangential import coulomb, laid, radial_return, spun
+from warpdem.kernels.tangential import SLID, coulomb, laid, radial_return, spun
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Candidates, Inertia, Material
 
@@ -74,7 +74,7 @@ def tangential_law(laws: Laws) -> wp.Function:
         if wp.static(laws.elastic_cap or not laws.predicted):
             force = radial_return(start + motion.sliding * step, cap)
             return spun(force, normal, half), spun(start, normal, half)
-        slid = past[3] >= real(0.0) and wp.length(old) >= (real(1.0) - real(1.0e-9)) * limit
+        slid = past[3] >= real(0.0) and wp.length(old) >= SLID * limit
         force = coulomb(start, motion.sliding, step, cap, limit, slid)
         return spun(force, normal, half), spun(start, normal, half)
 
@@ -109,7 +109,7 @@ def rolling_law(laws: Laws) -> wp.Function:
         if wp.static(not laws.predicted):
             moment = radial_return(start + motion.spin * step, cap)
             return spun(moment, normal, half), spun(start, normal, half)
-        slid = past[3] >= real(0.0) and wp.length(start) >= (real(1.0) - real(1.0e-9)) * limit
+        slid = past[3] >= real(0.0) and wp.length(start) >= SLID * limit
         moment = coulomb(start, motion.spin, step, cap, limit, slid)
         return spun(moment, normal, half), spun(start, normal, half)
 
