@@ -16,6 +16,7 @@ DEVICE_SIDE = {
     "device_shapes",
     "devices",
     "lists",
+    "materials",
     "model",
     "observe",
     "resume",

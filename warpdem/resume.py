@@ -32,9 +32,11 @@ BODIES = (
 # of the last force pass: of the pairs, and of the contacts that touched, packed
 PAIRS = ("touching", "force", "torque", "torque_partner")
 TOUCHING = ("which", "normal", "point", "gap")
+# of the contacts, where a law of the scene needs it
+MEMORY = ("rolled", "share", "last")
 
 
-def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray]:
+def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
     """Host copies of everything a step depends on."""
     saved = {name: getattr(state.bodies, name).numpy().copy() for name in BODIES}
     saved["work"] = state.account.work.numpy().copy()
@@ -53,7 +55,9 @@ def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray
     saved["contact_pair"] = (np.searchsorted(start, kept, side="right") - 1).astype(np.int64)
     saved["contact_code"] = candidates.code.numpy()[kept]
     saved["contact_past"] = past[kept]
-    saved["contact_rolled"] = candidates.rolled.numpy()[kept] if rolling else np.zeros((0, 4))
+    for name in MEMORY:
+        kept_of = getattr(candidates, name).numpy()
+        saved[f"contact_{name}"] = kept_of[kept] if len(kept_of) > 1 else kept_of[:0]
     for name in PAIRS:
         saved[f"pair_{name}"] = getattr(pairs, name).numpy()[:n].copy()
     place, _ = slots(lists)
@@ -136,7 +140,9 @@ def _remember(lists: Lists, saved: dict[str, np.ndarray]) -> None:
         place[k] = first + np.searchsorted(code[first:last], wanted)
     past[place] = saved["contact_past"]
     candidates.past[:count].assign(past)
-    if len(saved["contact_rolled"]):
-        rolled = np.zeros((count, 4))
-        rolled[place] = saved["contact_rolled"]
-        candidates.rolled[:count].assign(rolled)
+    for name in MEMORY:
+        values = saved[f"contact_{name}"]
+        if len(values):
+            memory = np.zeros((count, *values.shape[1:]))
+            memory[place] = values
+            getattr(candidates, name)[:count].assign(memory)

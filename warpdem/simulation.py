@@ -12,6 +12,7 @@ import warp as wp
 from warpdem import observe, resume
 from warpdem.build import build
 from warpdem.checks.check import build_shapes
+from warpdem.checks.custom_laws import check_custom_laws
 from warpdem.checks.timestep import automatic_step
 from warpdem.compile import load
 from warpdem.devices import find_device
@@ -64,6 +65,7 @@ class Simulation:
         progress: Callable[[str], None] | None = None,
     ) -> None:
         self.scene = scene
+        check_custom_laws(scene)
         self.polyhedra = build_shapes(scene)
         self.placement = place(scene, self.polyhedra)
         self.features = features_of(scene, self.placement, self.polyhedra)
@@ -149,7 +151,7 @@ class Simulation:
         return {
             "clock": clock,
             "counts": counts,
-            **resume.arrays(self._state, self._lists, rolling=self.features.rolling),
+            **resume.arrays(self._state, self._lists),
         }
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
@@ -228,9 +230,14 @@ class Simulation:
             lists.rebuild()
         else:
             state.clock.reach.fill_(float("inf"))
-        if contacts and not self.features.gravity_first:
-            self._launch(forces(model, state, lists, whole, 0.0))
+        first = self.features.first_step
+        if contacts and first != "gravity":
+            # exaDEM's friction springs are already one step old at time zero
+            since = self.dt if first == "forces" else 0.0
+            self._launch(forces(model, state, lists, whole, since))
             self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
+            if first == "forces":
+                state.bodies.torque.zero_()
             self._examine_step()
             self._lower_step()
         else:
@@ -312,7 +319,7 @@ class Simulation:
         if not lists.pair_count:
             return float("inf")
         wp.launch(
-            frequency_bound,
+            frequency_bound(self.features.partnership),
             dim=self.body_count,
             inputs=[
                 model.inertia,
