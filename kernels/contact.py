@@ -3,14 +3,10 @@
 import functools
 
 import warp as wp
+from warpdem.kernels.attraction import apart, attraction
 from warpdem.kernels.avalanche import axis_distance
 from warpdem.kernels.codes import kind_of
-from warpdem.kernels.cohesion import (
-    adhesion,
-    at_distance,
-    at_distance_energy,
-    curvature_radius,
-)
+from warpdem.kernels.cohesion import curvature_radius
 from warpdem.kernels.custom import Touch
 from warpdem.kernels.friction_laws import rolling_law, tangential_law
 from warpdem.kernels.kinematics import Kinematics, branch, kinematics
@@ -18,35 +14,8 @@ from warpdem.kernels.laws import AVALANCHE, Laws
 from warpdem.kernels.normal_laws import normal_law
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import SHARES, carried_share, passive_share
-from warpdem.kernels.tangential import spun
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Material
-
-
-@functools.cache
-def attraction(laws: Laws) -> wp.Function:
-    """Function of the pull of a sub-contact in overlap, and of its potential [N, J]."""
-
-    @wp.func
-    def attraction(law: Material, gap: real, radius: real, lasted: real):
-        pull = real(0.0)
-        energy = real(0.0)
-        constant = law.fc
-        if wp.static(laws.reaching):
-            if law.dncut > real(0.0):
-                # it was there before they touched
-                constant = real(0.0)
-                if wp.static(laws.documented):
-                    energy = at_distance_energy(law.fc, real(0.0), law.dncut)
-                else:
-                    pull = law.fc
-                    energy = at_distance_energy(law.fc, gap, law.dncut)
-        if wp.static(laws.adhesion):
-            constant += adhesion(radius, law.gamma)
-        pull += constant * lasted
-        return pull, energy + constant * gap
-
-    return attraction
 
 
 @functools.cache
@@ -81,7 +50,11 @@ def shared(laws: Laws) -> wp.Function:
 
 @functools.cache
 def normal_part(laws: Laws) -> wp.Function:
-    """Function of a sub-contact's normal force: cap, acting force, part of the step, energies."""
+    """Function of a sub-contact's normal force.
+
+    What friction sees of it, the acting force [N], the part of the step, the energy stored [J] and
+    the power lost [W].
+    """
     normal_force = normal_law(laws)
     pull_of = attraction(laws)
 
@@ -98,7 +71,7 @@ def normal_part(laws: Laws) -> wp.Function:
                 if touch.tau > real(0.0):
                     renewed = touch.before - fn
                     approach += renewed * touch.beta / (touch.stiffness * touch.tau)
-            lost = (fn - elastic) * approach * touch.dt
+            lost = (fn - elastic) * approach
         acting = fn
         fn = wp.max(fn, real(0.0))
         if wp.static(laws.cohesion):
@@ -111,37 +84,6 @@ def normal_part(laws: Laws) -> wp.Function:
         return fn, acting, phi, stored, lost
 
     return normal_part
-
-
-@functools.cache
-def apart(laws: Laws) -> wp.Function:
-    """Function of a pair of features that attract each other without touching."""
-
-    @inlined()
-    def apart(candidates: Candidates, law: Material, c: int, gap: real, normal: vec3, point: vec3):
-        account = vec4()
-        past = candidates.past[c]
-        if wp.static(laws.account):
-            account[0] = at_distance_energy(law.fc, gap, law.dncut)
-            if law.kt > real(0.0):
-                held = past[0] * past[0] + past[1] * past[1] + past[2] * past[2]
-                if wp.static(laws.partnership != "sum"):
-                    if held > real(0.0):
-                        held = held / candidates.share[c]
-                account[2] = held / (real(2.0) * law.kt)
-            if wp.static(laws.rolling):
-                if law.kr > real(0.0):
-                    rolled = candidates.rolled[c]
-                    account[3] = wp.dot(rolled, rolled) / (real(2.0) * law.kr)
-        candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
-        if wp.static(laws.rolling):
-            candidates.rolled[c] = vec4()
-        if wp.static(laws.avalanche):
-            candidates.last[c] = gap
-        force = normal * at_distance(law.fc, gap, law.dncut)
-        return force, wp.cross(point, force), account
-
-    return apart
 
 
 @functools.cache
@@ -193,7 +135,7 @@ def touch_of(laws: Laws) -> wp.Function:
 
 @functools.cache
 def friction_part(laws: Laws) -> wp.Function:
-    """Function of a sub-contact's friction: force, energy stored, energy lost."""
+    """Function of a sub-contact's friction: force, energy stored now and before, power taken."""
     tangential_force = tangential_law(laws)
 
     @wp.func
@@ -213,25 +155,22 @@ def friction_part(laws: Laws) -> wp.Function:
         kept = vec4(past[0] * keeps, past[1] * keeps, past[2] * keeps, past[3])
         tangential, carried = tangential_force(motion, law, normal, kept, cap, mean * law.kt * step)
         stored = real(0.0)
-        lost = real(0.0)
+        had = real(0.0)
+        power = real(0.0)
         if wp.static(laws.account):
             if law.kt > real(0.0):
                 stored = wp.dot(tangential, tangential) / (real(2.0) * share * law.kt)
                 old = carried / keeps
                 had = wp.dot(old, old) / (real(2.0) * before * law.kt)
-                sliding = motion.sliding
-                if wp.static(laws.objective):
-                    # as seen from the frame of the step's end
-                    sliding = spun(sliding, normal, real(0.5) * motion.turn)
-                lost = real(0.5) * wp.dot(tangential + old, sliding) * step - stored + had
-        return tangential, stored, lost
+                power = wp.dot(tangential, motion.sliding_end)
+        return tangential, stored, had, power
 
     return friction_part
 
 
 @functools.cache
 def rolling_part(laws: Laws) -> wp.Function:
-    """Function of a sub-contact's rolling moment: moment, energy stored, energy lost."""
+    """Function of a sub-contact's rolling moment: it, energy stored now and before, power."""
     rolling_moment = rolling_law(laws)
 
     @wp.func
@@ -254,16 +193,14 @@ def rolling_part(laws: Laws) -> wp.Function:
             motion, law, normal, past, rolled * keeps, fn, arm, mean * law.kr * step
         )
         stored = real(0.0)
-        lost = real(0.0)
+        had = real(0.0)
+        power = real(0.0)
         if wp.static(laws.account):
             stored = wp.dot(moment, moment) / (real(2.0) * share * law.kr)
             old = carried / keeps
             had = wp.dot(old, old) / (real(2.0) * before * law.kr)
-            spin = motion.spin
-            if wp.static(laws.objective):
-                spin = spun(spin, normal, real(0.5) * motion.turn)
-            lost = real(0.5) * wp.dot(moment + old, spin) * step - stored + had
-        return moment, stored, lost
+            power = wp.dot(moment, motion.spin_end)
+        return moment, stored, had, power
 
     return rolling_part
 
@@ -292,7 +229,11 @@ def rolling_arm(laws: Laws) -> wp.Function:
 
 @functools.cache
 def apply_laws(laws: Laws) -> wp.Function:
-    """Function of pass 2: the wrench of one contact, its history, its energy account."""
+    """Function of pass 2: the wrench of one contact, its history, its energy account.
+
+    The account holds the energy stored, and what dashpot, friction and rolling have lost since the
+    last step but for the powers [W] that go with it: those act for the step.
+    """
     motion_at = kinematics(predicted=laws.predicted)
     touch_at = touch_of(laws)
     share_at = shared(laws)
@@ -324,12 +265,16 @@ def apply_laws(laws: Laws) -> wp.Function:
         force = vec3()
         torque = vec3()
         account = vec4()
+        power = vec4()
         overlap = -candidates.gap[slot]
         distant = bool(False)
-        if wp.static(laws.reaching):
+        if wp.static(laws.reaching or laws.sticky):
             distant = overlap <= real(0.0)
             if distant:
-                force, torque, account = attract(candidates, law, c, -overlap, normal, point)
+                motion = motion_at(bodies, i, j, d, normal, point, dt)
+                pull, account = attract(geometry, candidates, law, i, j, c, -overlap, motion, dt)
+                force = -normal * pull
+                torque = wp.cross(point, force)
         if not distant:
             past = candidates.past[c]
             fresh = past[3] < real(0.0)
@@ -342,7 +287,7 @@ def apply_laws(laws: Laws) -> wp.Function:
             force = normal * acting
             if wp.static(laws.account):
                 account[0] = stored
-                account[1] = lost
+                power[1] = lost
             moment = vec3()
             tangential = vec3()
             if wp.static(laws.friction):
@@ -353,18 +298,19 @@ def apply_laws(laws: Laws) -> wp.Function:
                             cap = law.mu * touch.stiffness * overlap
                     else:
                         cap = law.mu * touch.stiffness * overlap
-                tangential, held, slipped = tangential_force(
+                tangential, held, had, taken = tangential_force(
                     motion, law, normal, past, cap, mean, keeps, share, before, dt * phi
                 )
                 force += tangential
                 account[0] = account[0] + held
-                account[2] = slipped
+                account[2] = had - held
+                power[2] = taken
             candidates.past[c] = vec4(tangential[0], tangential[1], tangential[2], fn)
             if wp.static(laws.rolling):
                 if law.kr > real(0.0):
                     arm = arm_of(inertia, bodies, law, i, j, d, point)
                     rolled = candidates.rolled[c]
-                    moment, held, slipped = rolling_moment(
+                    moment, held, had, taken = rolling_moment(
                         motion,
                         law,
                         normal,
@@ -385,8 +331,9 @@ def apply_laws(laws: Laws) -> wp.Function:
                         tangent = moment - normal * about
                     candidates.rolled[c] = vec4(tangent[0], tangent[1], tangent[2], about)
                     account[0] = account[0] + held
-                    account[3] = slipped
+                    account[3] = had - held
+                    power[3] = taken
             torque = wp.cross(point, force) + moment
-        return force, torque, account
+        return force, torque, account, power
 
     return apply_laws

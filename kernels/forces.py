@@ -68,6 +68,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         )
         pairs.touching[pair] = touching
         account = vec4()
+        power = vec4()
         if wp.static(laws.account):
             if freed > real(0.0):
                 account[2] = freed / (real(2.0) * law.kt)
@@ -95,19 +96,20 @@ def pair_forces(laws: Laws) -> wp.Kernel:
                     tau = real(2.0) * law.zeta / wp.sqrt(law.kn * inverse_mass)
                     beta = real(0.5) * dt * tau * omega * omega
             for slot in range(start, start + touching):
-                f, t, a = apply(
+                f, t, a, p = apply(
                     geometry, inertia, bodies, candidates, law, i, j, d, slot, total, tau, beta, dt
                 )
                 force += f
                 torque += t
                 account += a
+                power += p
         pairs.force[pair] = force
         pairs.torque[pair] = torque - wp.cross(d, force)
         pairs.torque_partner[pair] = -torque
         if wp.static(laws.account):
             since = energy.pair[pair]
-            energy.pair[pair] = vec4(
-                account[0], since[1] + account[1], since[2] + account[2], since[3] + account[3]
-            )
+            lost = since + account + power * dt
+            energy.pair[pair] = vec4(account[0], lost[1], lost[2], lost[3])
+            energy.power[pair] = power
 
     return pair_forces

@@ -197,8 +197,8 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
             bodies.angular_momentum[body] = spun + torque * half
         else:
             power = -wp.dot(force, bodies.velocity[body]) - wp.dot(torque, bodies.spin[body])
-            mean = real(0.5) * (power + energy.power[body])
+            mean = real(0.5) * (power + energy.driver_power[body])
             energy.work[body] = energy.work[body] + mean * dt
-            energy.power[body] = power
+            energy.driver_power[body] = power
 
     return kick

@@ -34,6 +34,7 @@ class Laws(NamedTuple):
     branch_arm: bool  # rolling cap over the branch length
     cohesion: bool
     adhesion: bool  # some of it goes with the radius of curvature
+    sticky: bool  # some of it begins and ends at touch
     reaching: bool  # some of it acts at a distance
     documented: bool  # and goes on in contact as exaDEM's page has it
     account: bool  # energy bookkeeping

@@ -48,7 +48,11 @@ def find_touching(laws: Laws) -> wp.Function:
         for c in range(start, end):
             hit = gap_of(geometry, bodies, i, j, d, margin, candidates.code[c])
             past = candidates.past[c]
-            if hit.gap < reach and hit.admissible:
+            near = hit.gap < reach
+            if wp.static(laws.sticky):
+                # what pulled until within this step still has to be paid for it
+                near = near or (past[3] >= real(0.0) and hit.gap < margin)
+            if near and hit.admissible:
                 slot = start + touching
                 candidates.which[slot] = c
                 candidates.normal[slot] = hit.normal
@@ -113,7 +117,7 @@ def frequency(laws: Laws) -> wp.Function:
         single = real(0.0)
         for slot in range(start, start + touching):
             overlap = -candidates.gap[slot]
-            if wp.static(laws.reaching):
+            if wp.static(laws.reaching or laws.sticky):
                 overlap = wp.max(overlap, real(0.0))
             pushed = overlap
             if wp.static(not plain):

@@ -154,8 +154,12 @@ class Clock:
 
 @wp.struct
 class Account:
-    """Energies: of a pair (elastic now; dashpot, friction, rolling since), of a driver."""
+    """Energies: of a pair (elastic now; dashpot, friction, rolling since), of a driver.
+
+    A pair's powers [W] of this instant have been counted for a whole step, half of it ahead.
+    """
 
     pair: wp.array(dtype=vec4)
-    power: wp.array(dtype=real)
+    power: wp.array(dtype=vec4)
+    driver_power: wp.array(dtype=real)
     work: wp.array(dtype=real)

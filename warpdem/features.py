@@ -57,6 +57,7 @@ class Features:
     branch_arm: bool
     cohesion: bool
     adhesion: bool
+    sticky: bool
     reaching: bool
     documented: bool
     account: bool
@@ -126,6 +127,7 @@ def _laws(scene: Scene, laws: list[Contact]) -> dict[str, Any]:
         "partnership": scene.run.partnership,
         "cohesion": any(law.attracts for law in laws),
         "adhesion": any(law.gamma > 0 for law in laws),
+        "sticky": any(law.gamma > 0 or (law.fc > 0 and not law.dncut) for law in laws),
         "reaching": reaching,
         "documented": reaching and scene.run.cohesion == "documented",
     }

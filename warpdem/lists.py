@@ -108,12 +108,23 @@ class Lists:
         if self._model.features.account and self.pair_count:
             self.spent = self.spent + self.since()
             self._state.account.pair.zero_()
+            self._state.account.power.zero_()
 
     def since(self) -> FloatArray:
         """Energy lost in dashpots, friction, rolling since these lists were made [J], shape [3]."""
         if not (self._model.features.account and self.pair_count):
             return np.zeros(3)
         return self._state.account.pair.numpy()[: self.pair_count, 1:].sum(axis=0)
+
+    def power(self) -> FloatArray:
+        """What dashpots, friction, rolling take at this instant [W], shape [3]."""
+        if not (self._model.features.account and self.pair_count):
+            return np.zeros(3)
+        return self._state.account.power.numpy()[: self.pair_count, 1:].sum(axis=0)
+
+    def change_step(self, before: float, now: float) -> None:
+        """Half of each power has been counted ahead for a step ``before``, which is ``now`` [s]."""
+        self.spent = self.spent + 0.5 * (now - before) * self.power()
 
     def _hash_grid(self) -> Any:
         free = max(int(np.count_nonzero(~self._model.large)), 1)
@@ -136,6 +147,7 @@ class Lists:
         self._keys = wp.zeros(4 * room, dtype=wp.int32, device=device)
         if self._model.features.account:
             self._state.account.pair = wp.zeros(room, dtype=vec4, device=device)
+            self._state.account.power = wp.zeros(room, dtype=vec4, device=device)
         self.pair_room = room
         self.generation += 1
 

@@ -23,6 +23,7 @@ def snapshot(
     *,
     time: float,
     step: int,
+    dt: float,
     energy_start: float,
     contacts: bool,
 ) -> Snapshot:
@@ -31,7 +32,7 @@ def snapshot(
     force, torque = _forces(model, state, lists)
     energy = None
     if model.features.account:
-        energy = _energy(model, state, lists, energy_start)
+        energy = _energy(model, state, lists, energy_start, dt)
     return Snapshot(
         time=time,
         step=step,
@@ -138,9 +139,9 @@ def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, flo
     return float(kinetic), float(potential), float(elastic)
 
 
-def _energy(model: Model, state: State, lists: Lists, start: float) -> Energy:
+def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -> Energy:
     kinetic, potential, elastic = _stored(model, state, lists)
-    lost = lists.spent + lists.since()
+    lost = lists.spent + lists.since() - 0.5 * dt * lists.power()
     work = float(state.account.work.numpy().sum())
     place, _ = slots(lists)
     gap = lists.candidates.gap.numpy()[place]

@@ -40,7 +40,7 @@ def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
     """Host copies of everything a step depends on."""
     saved = {name: getattr(state.bodies, name).numpy().copy() for name in BODIES}
     saved["work"] = state.account.work.numpy().copy()
-    saved["power"] = state.account.power.numpy().copy()
+    saved["driver_power"] = state.account.driver_power.numpy().copy()
     saved["spent"] = lists.spent.copy()
     saved["skin"] = np.array([lists.skin])
     saved["born"] = np.array([lists.born])
@@ -49,6 +49,7 @@ def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
     saved["pair_owner"] = pairs.owner.numpy()[:n].copy()
     saved["pair_partner"] = pairs.partner.numpy()[:n].copy()
     saved["pair_account"] = state.account.pair.numpy()[:n].copy()
+    saved["pair_power"] = state.account.power.numpy()[:n].copy()
     past = candidates.past.numpy()[: lists.candidate_count]
     kept = np.flatnonzero((past[:, 3] != -1.0) | past[:, :3].any(axis=1))
     start = pairs.start.numpy()[: n + 1]
@@ -79,7 +80,7 @@ def put_back(
     for name in BODIES:
         getattr(bodies, name).assign(saved[name])
     state.account.work.assign(saved["work"])
-    state.account.power.assign(saved["power"])
+    state.account.driver_power.assign(saved["driver_power"])
     if contacts:
         bodies.position.assign(saved["listed_position"])
         bodies.orientation.assign(saved["listed_orientation"])
@@ -99,11 +100,10 @@ def _relist(state: State, lists: Lists, saved: dict[str, np.ndarray]) -> None:
     _touch(lists, saved)
     lists.spent = saved["spent"].copy()
     n = lists.pair_count
-    if len(saved["pair_account"]) == n and n:
-        wp.copy(
-            state.account.pair,
-            wp.array(saved["pair_account"], dtype=state.account.pair.dtype, device="cpu"),
-        )
+    account = state.account
+    for kept, values in ((account.pair, "pair_account"), (account.power, "pair_power")):
+        if n and len(saved[values]) == n:
+            wp.copy(kept, wp.array(saved[values], dtype=kept.dtype, device="cpu"))
 
 
 def _touch(lists: Lists, saved: dict[str, np.ndarray]) -> None:

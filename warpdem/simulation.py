@@ -140,6 +140,7 @@ class Simulation:
             self._lists,
             time=self.time,
             step=self.step_count,
+            dt=self.dt,
             energy_start=self._energy_start,
             contacts=contacts,
         )
@@ -236,6 +237,7 @@ class Simulation:
             since = self.dt if first == "forces" else 0.0
             self._launch(forces(model, state, lists, whole, since))
             self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
+            lists.change_step(since, self.dt)
             if first == "forces":
                 state.bodies.torque.zero_()
             self._examine_step()
@@ -343,6 +345,7 @@ class Simulation:
             f"more contacts share a body than foreseen"
         )
         self._time, self._time_steps = self.time, self.step_count
+        self._lists.change_step(self.dt, self._next_dt)
         self.dt = self._next_dt
 
     def _change_step(self) -> None:

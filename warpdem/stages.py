@@ -78,7 +78,7 @@ def forces(model: Model, state: State, lists: Lists, share: Share, dt: float) ->
         model.inertia,
         model.materials,
         dt,
-        max(model.keep_within, model.reach),
+        max(model.keep_within, model.reach, model.skin if model.features.sticky else 0.0),
         share.pairs,
         state.bodies,
         share.clock,
