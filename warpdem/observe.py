@@ -125,6 +125,15 @@ def total_energy(model: Model, state: State, lists: Lists) -> float:
     return sum(_stored(model, state, lists))
 
 
+def pair_energies(model: Model, state: State, lists: Lists) -> tuple[IntArray, FloatArray]:
+    """Owner of each body pair, and the elastic energy of its contacts [J], shapes [pair_count]."""
+    count = lists.pair_count
+    elastic = np.zeros(count)
+    if model.features.account and count:
+        elastic = state.account.pair.numpy()[:count, 0].copy()
+    return lists.pairs.owner.numpy()[:count].copy(), elastic
+
+
 def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, float]:
     free = model.free
     velocity, spin = velocities(model, state)

@@ -145,6 +145,13 @@ class Simulation:
             contacts=contacts,
         )
 
+    def pair_energies(self) -> tuple[np.ndarray, np.ndarray]:
+        """Owner of each body pair in the lists, and the elastic energy of its contacts [J].
+
+        Shapes [pair_count]; zero where the scene keeps no account of energies.
+        """
+        return observe.pair_energies(self._model, self._state, self._lists)
+
     def checkpoint(self) -> dict[str, np.ndarray]:
         """Everything that a later ``restore`` needs to go on bitwise."""
         clock = np.array([self._time, self.dt, self._next_dt, self._energy_start])
