@@ -19,6 +19,7 @@ class Laws(NamedTuple):
     convex: bool  # every face is convex
     two_sided: bool  # some open surface acts on both sides
     cones: bool  # some shape restricts the directions of its edges and vertices
+    surfaces: bool  # some fixed body is an analytic surface
     damped: bool
     pair_damping: bool  # dashpot by the pair's frequency; else by each contact's
     predicted: bool  # contact update of second order; else the velocities of the half step

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from warpdem.input.rules_force import forces
+from warpdem.input.rules_surface import containers, surfaces_stand
 from warpdem.input.scene_reading import Fault, entries, given, number, numbers, read, tables, text
 from warpdem.input.scene_references import (
     contact_pairs,
@@ -145,7 +147,10 @@ RULES = (
     known_shapes,
     densities,
     terrain_stands,
+    surfaces_stand,
+    containers,
     contact_pairs,
+    forces,
     rolling,
     compatibility,
     clock,
