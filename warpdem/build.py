@@ -9,8 +9,8 @@ import warp as wp
 
 from warpdem.checks.restitution import zeta_bilateral, zeta_clamped
 from warpdem.checks.timestep import masses
-from warpdem.device_shapes import shape_arrays
 from warpdem.device_forces import external_of
+from warpdem.device_shapes import shape_arrays
 from warpdem.features import Features, has_tree, large_bodies, surface_bodies
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Geometry, Inertia, Material

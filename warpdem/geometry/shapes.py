@@ -77,18 +77,10 @@ def polyhedron_of(shape: Shape, directory: Path) -> Polyhedron:
         GeometryError: The shape cannot be simulated, or its file cannot be read.
     """
     match shape:
-        case BoxShape():
-            return box(shape.name, shape.size, shape.rounding, declared=_declared(shape))
-        case SphereShape():
-            return box(shape.name, (2.0 * shape.radius,) * 3, shape.radius)
-        case CapsuleShape():
-            return capsule(shape.name, shape.length, shape.radius)
-        case PlaneShape():
-            return analytic(shape.name, Analytic("plane", 0.0, shape.extent))
-        case CylinderShape():
-            return analytic(shape.name, Analytic("cylinder", shape.radius, shape.length))
-        case BallShape():
-            return analytic(shape.name, Analytic("ball", shape.radius, None))
+        case BoxShape() | SphereShape() | CapsuleShape():
+            return _rounded(shape)
+        case PlaneShape() | CylinderShape() | BallShape():
+            return analytic(shape.name, _surface(shape))
         case PolyhedronShape():
             return _polyhedron(shape)
         case MeshShape():
@@ -99,6 +91,26 @@ def polyhedron_of(shape: Shape, directory: Path) -> Polyhedron:
             return terrain(
                 read_raster(directory / shape.file), name=shape.name, radius=shape.rounding
             )
+
+
+def _rounded(shape: BoxShape | SphereShape | CapsuleShape) -> Polyhedron:
+    match shape:
+        case BoxShape():
+            return box(shape.name, shape.size, shape.rounding, declared=_declared(shape))
+        case SphereShape():
+            return box(shape.name, (2.0 * shape.radius,) * 3, shape.radius)
+        case CapsuleShape():
+            return capsule(shape.name, shape.length, shape.radius)
+
+
+def _surface(shape: PlaneShape | CylinderShape | BallShape) -> Analytic:
+    match shape:
+        case PlaneShape():
+            return Analytic("plane", 0.0, shape.extent)
+        case CylinderShape():
+            return Analytic("cylinder", shape.radius, shape.length)
+        case BallShape():
+            return Analytic("ball", shape.radius, None)
 
 
 def _declared(shape: BoxShape | PolyhedronShape | MeshShape | ShpShape) -> Declared | None:

@@ -65,8 +65,9 @@ class Fluid(Section):
 class NumericalDamping(Section):
     """Cundall's damping of all free bodies, against oscillations on the way to a balance.
 
-    Force and moment of contacts, drag and fluid are multiplied by 1 - coefficient while they do
-    work, and by 1 + coefficient while they take it.
+    Force and moment of contacts, drag and fluid (not the weight) are multiplied by 1 - coefficient
+    while they do work, and by 1 + coefficient while they take it. So contacts at rest carry between
+    1/(1 + coefficient) and 1/(1 - coefficient) of the weight.
     """
 
     kind: Literal["numerical_damping"]
