@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import warp as wp
-
 from warpdem.kernels.external import (
     barrier_factor,
     between_nodes,
