@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from warpdem.input.scene import Scene
 
 _KEYS = ("velocity", "origin", "spacing")
+_HEAD = 1000  # bytes within which a .vti says what it is
 
 
 class FlowError(WarpdemError):
@@ -96,6 +97,9 @@ def _read_npz(path: Path) -> Flow:
 def _read_vti(path: Path, array: str | None) -> Flow:
     import pyvista  # noqa: PLC0415 - loads VTK, which a scene without such a file need not
 
+    with path.open("rb") as file:
+        if b"ImageData" not in file.read(_HEAD):
+            raise FlowError(f"{path}: is no VTK image data")
     try:
         grid: Any = pyvista.read(path)
     except (OSError, ValueError, RuntimeError) as error:
@@ -105,16 +109,18 @@ def _read_vti(path: Path, array: str | None) -> Flow:
     if not np.allclose(grid.direction_matrix, np.eye(3)):
         raise FlowError(f"{path}: its axes must be those of the world")
     found = {
-        (name, at_cells): np.asarray(data[name], np.float64)
-        for data, at_cells in ((grid.point_data, False), (grid.cell_data, True))
+        name: (np.asarray(data[name], np.float64), at_cells)
+        for data, at_cells in ((grid.cell_data, True), (grid.point_data, False))
         for name in data.keys()  # noqa: SIM118 - not a mapping
-        if data[name].ndim == 2 and data[name].shape[1] == 3 and array in (None, name)
+        if data[name].ndim == 2 and data[name].shape[1] == 3
     }
-    if len(found) != 1:
-        names = ", ".join(sorted({name for name, _ in found})) or "none"
-        rule = "set array to one of" if found else "it needs one; vectors there are"
-        raise FlowError(f"{path}: {len(found)} arrays of vectors can be meant; {rule}: {names}")
-    (((_, at_cells), values),) = found.items()
+    names = ", ".join(sorted(found)) or "none"
+    if array is not None and array not in found:
+        raise FlowError(f'{path}: holds no vectors "{array}"; there are: {names}')
+    if array is None and len(found) != 1:
+        rule = f"set array to one of: {names}" if found else "it needs one, at points or cells"
+        raise FlowError(f"{path}: holds {len(found)} arrays of vectors; {rule}")
+    values, at_cells = found[array or names]
     count = np.array(grid.dimensions)
     spacing = np.array(grid.spacing, np.float64)
     origin = np.array(grid.bounds, np.float64)[::2]

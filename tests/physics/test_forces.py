@@ -1,5 +1,7 @@
 """Drag, fluid, numerical damping and barriers in whole runs, against closed forms."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -37,7 +39,7 @@ def simulated(force, *, dt, position=(0.0, 0.0, 0.0), **changes):
 def orders(error_at, steps=(0.04, 0.02, 0.01)):
     """Errors and orders of convergence of a function of the time step."""
     errors = [error_at(dt) for dt in steps]
-    return errors, [np.log2(a / b) for a, b in zip(errors, errors[1:], strict=False)]
+    return errors, [np.log2(a / b) for a, b in pairwise(errors)]
 
 
 def test_a_fall_under_drag_approaches_its_terminal_velocity_with_order_two():
