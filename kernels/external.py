@@ -31,10 +31,17 @@ class Forces(NamedTuple):
         return any(self[name] for name in (0, 1, 3, 4, 5))
 
 
+# drag stops a body in no less than 1/0.4 steps: drag and fluid together are then stable
+STIFFEST = wp.constant(real(0.4))
+
+
 @wp.func
-def quadratic_drag(coefficient: real, relative: vec3) -> vec3:
-    """Resistance -c |v| v to the motion relative to a medium [N]; ``coefficient`` c in kg/m."""
-    return relative * (-coefficient * wp.length(relative))
+def quadratic_drag(coefficient: real, relative: vec3, most: real) -> vec3:
+    """Resistance -c |v| v to the motion relative to a medium [N]; ``coefficient`` c in kg/m.
+
+    c |v| is cut at ``most`` [kg/s], for steps that do not resolve how fast the motion decays.
+    """
+    return relative * -wp.min(coefficient * wp.length(relative), most)
 
 
 @wp.func
@@ -136,17 +143,20 @@ def medium_force(forces: Forces) -> wp.Function:
     value_at = between_nodes if forces.trilinear else nearest_node
 
     @inlined()
-    def medium_force(external: External, bodies: Bodies, body: int) -> vec3:
+    def medium_force(
+        inertia: Inertia, external: External, bodies: Bodies, body: int, dt: real
+    ) -> vec3:
+        most = STIFFEST / (inertia.inverse_mass[body] * dt)
         velocity = bodies.velocity[body]
         if wp.static(forces.predicted):
             velocity = bodies.velocity_end[body]
         force = vec3()
         if wp.static(forces.drag):
-            force += quadratic_drag(external.drag[body], velocity)
+            force += quadratic_drag(external.drag[body], velocity, most)
         if wp.static(forces.fluid):
             away = bodies.position[body] - external.origin
             flow = value_at(external.flow, wp.cw_div(away, external.spacing))
-            force += quadratic_drag(external.fluid[body], velocity - flow)
+            force += quadratic_drag(external.fluid[body], velocity - flow, most)
         return force
 
     return medium_force
@@ -239,7 +249,7 @@ def external_forces(forces: Forces) -> wp.Function:
         force = contact_force
         torque = contact_torque
         if wp.static(forces.drag or forces.fluid):
-            force += medium(external, bodies, body)
+            force += medium(inertia, external, bodies, body, dt)
         if wp.static(forces.numerical_damping):
             force, torque = damp(inertia, external, bodies, weight, body, force, torque, dt)
         force += weight

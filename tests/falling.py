@@ -38,6 +38,7 @@ def cube(name="cube", frame_rotation=(1.0, 0.0, 0.0, 0.0)):
         bound=0.75**0.5,
         frame_rotation=np.array(frame_rotation),
         notes=(),
+        analytic=None,
     )
 
 

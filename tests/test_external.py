@@ -39,8 +39,10 @@ def values(velocity, places):
 
 
 def test_drag_is_against_the_motion_and_goes_with_the_square_of_the_speed():
-    force = quadratic_drag(real(0.5), vec3(3.0, 0.0, -4.0))
+    force = quadratic_drag(real(0.5), vec3(3.0, 0.0, -4.0), real(np.inf))
     assert list(force) == pytest.approx([-7.5, 0.0, 10.0], rel=1e-15)
+    cut = quadratic_drag(real(0.5), vec3(3.0, 0.0, -4.0), real(2.0))
+    assert list(cut) == pytest.approx([-6.0, 0.0, 8.0], rel=1e-15)
 
 
 def test_trilinear_values_are_exact_for_multilinear_fields_and_held_beyond_the_border():

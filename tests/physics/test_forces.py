@@ -61,6 +61,15 @@ def test_a_fall_under_drag_approaches_its_terminal_velocity_with_order_two():
     assert min(rates) > 1.9
 
 
+def test_strong_drag_stays_stable_at_steps_that_do_not_resolve_it(tmp_path):
+    storm = wind(tmp_path, np.tile([100.0, 0.0, 0.0], (2, 2, 2, 1)))
+    force = [{"kind": "drag", "coefficient": 1e3}, {**storm, "cx": 1e3 / (np.pi * 0.01)}]
+    simulation = simulated(force, dt=0.1, gravity=(0.0, 0.0, 0.0))
+    simulation.advance(10.0)
+    # halfway between the still air and the wind
+    assert simulation.snapshot().velocity[0, 0] == pytest.approx(50.0, rel=1e-6)
+
+
 def test_viscosity_times_cx_is_the_coefficient_of_drag():
     forces = [
         {"kind": "drag", "viscosity": 0.5, "cx": 0.4},
