@@ -10,23 +10,11 @@ from warpdem.kernels.bounds import (
     vertex_near_edge,
     vertex_near_face,
 )
-from warpdem.kernels.codes import EE, EV, FV, VE, VF, VV, encode
+from warpdem.kernels.codes import EE, EV, FV, VE, VF, VS, VV, emit
 from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.surfaces import is_surface, vertices_above
 from warpdem.kernels.variant import inlined, variant
 from warpdem.kernels.views import Bodies, Geometry, Pairs
-
-
-@functools.cache
-def emit(*, fill: bool) -> wp.Function:
-    """Function that counts a candidate, or writes it."""
-
-    @wp.func
-    def emit(code: wp.array(dtype=wp.int64), at: int, kind: int, a: int, b: int) -> int:
-        if wp.static(fill):
-            code[at] = encode(kind, a, b)
-        return at + 1
-
-    return emit
 
 
 @functools.cache
@@ -316,11 +304,12 @@ def sort(code: wp.array(dtype=wp.int64), first: int, last: int):
 
 
 @functools.cache
-def find_candidates(*, fill: bool, polyhedra: bool, trees: bool) -> wp.Kernel:
+def find_candidates(*, fill: bool, polyhedra: bool, trees: bool, surfaces: bool) -> wp.Kernel:
     """Kernel that counts the candidates of each body pair, or writes them in ascending order."""
     vertices = vertices_against(fill=fill)
     edges = edges_against(fill=fill)
     tree = features_against_tree(fill=fill)
+    above = vertices_above(fill=fill)
     put = emit(fill=fill)
 
     @variant
@@ -346,6 +335,10 @@ def find_candidates(*, fill: bool, polyhedra: bool, trees: bool) -> wp.Kernel:
             d = bodies.position[i] - bodies.position[j]
             reach = geometry.radius[i] + geometry.radius[j] + skin
             whole = bool(True)
+            if wp.static(surfaces):
+                if is_surface(geometry, j):
+                    whole = False
+                    n = above(geometry, bodies, i, j, d, reach, code, n)
             if wp.static(trees):
                 if geometry.tree[geometry.shape[j]] != wp.uint64(0):
                     whole = False
@@ -357,7 +350,11 @@ def find_candidates(*, fill: bool, polyhedra: bool, trees: bool) -> wp.Kernel:
             if wp.static(fill):
                 sort(code, first, n)
         else:
-            n = put(code, n, VV, 0, 0)
+            kind = int(VV)
+            if wp.static(surfaces):
+                if is_surface(geometry, j):
+                    kind = int(VS)
+            n = put(code, n, kind, 0, 0)
         if wp.static(not fill):
             ends[pair] = n - first
 

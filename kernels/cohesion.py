@@ -4,7 +4,7 @@ Symbols: gap dn [m], range dncut [m], strength fc [N]; forces are positive when 
 """
 
 import warp as wp
-from warpdem.kernels.codes import FV, VF
+from warpdem.kernels.codes import FV, VF, VS
 from warpdem.kernels.precision import real
 
 
@@ -35,8 +35,8 @@ def documented(gap: real, dncut: real, fc: real, free: real) -> real:
 
 @wp.func
 def curvature_radius(kind: int, radius_i: real, radius_j: real) -> real:
-    """R of 1/R = 1/R_i + 1/R_j at a contact, faces being flat [m]."""
-    if kind == VF:
+    """R of 1/R = 1/R_i + 1/R_j at a contact, faces and analytic surfaces being flat [m]."""
+    if kind == VF or kind == VS:
         return radius_i
     if kind == FV:
         return radius_j

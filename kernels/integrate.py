@@ -7,10 +7,21 @@ A step is: half kick and drift (``drift``), forces, half kick (``kick``). Tucker
 import functools
 
 import warp as wp
+from warpdem.kernels.external import Forces, external_forces
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.rotation import arc, exponential
+from warpdem.kernels.surfaces import tilt
 from warpdem.kernels.variant import inlined, plain, variant
-from warpdem.kernels.views import Account, Bodies, Clock, Geometry, Incidence, Inertia, Pairs
+from warpdem.kernels.views import (
+    Account,
+    Bodies,
+    Clock,
+    External,
+    Geometry,
+    Incidence,
+    Inertia,
+    Pairs,
+)
 
 
 @wp.func
@@ -31,20 +42,33 @@ def place_arms(geometry: Geometry, bodies: Bodies, body: int):
 
 
 @inlined()
-def watch(geometry: Geometry, bodies: Bodies, clock: Clock, body: int, dt: real):
-    """Note a body that left its skin, or that moved more than its own size in one step (or NaN).
+def turn(geometry: Geometry, bodies: Bodies, body: int) -> real:
+    """How far a body has turned since the lists were made [rad]."""
+    return arc(bodies.orientation[body], bodies.listed_orientation[body])
 
-    ``dt`` 0 looks for NaN alone.
-    """
-    bound = geometry.bound[body]
-    speed = wp.length(bodies.velocity[body])
-    turn = wp.length(bodies.spin[body])
-    if not ((speed + real(0.3) * turn * bound) * dt <= bound):
-        clock.fault[0] = 1
-    moved = wp.length(bodies.position[body] - bodies.listed_position[body])
-    turned = arc(bodies.orientation[body], bodies.listed_orientation[body])
-    if not (moved + bound * turned <= clock.reach[0]):
-        clock.moved[0] = 1
+
+@functools.cache
+def watching(*, surfaces: bool) -> wp.Function:
+    """Function that notes a body that left its skin, or flew off; ``surfaces``: some move."""
+    turn_of = tilt if surfaces else turn
+
+    @inlined()
+    def watch(geometry: Geometry, bodies: Bodies, clock: Clock, body: int, dt: real):
+        """Note a body that left its skin, or moved more than its own size in one step (or NaN).
+
+        ``dt`` 0 looks for NaN alone.
+        """
+        bound = geometry.bound[body]
+        speed = wp.length(bodies.velocity[body])
+        turn = wp.length(bodies.spin[body])
+        if not ((speed + real(0.3) * turn * bound) * dt <= bound):
+            clock.fault[0] = 1
+        moved = wp.length(bodies.position[body] - bodies.listed_position[body])
+        turned = turn_of(geometry, bodies, body)
+        if not (moved + bound * turned <= clock.reach[0]):
+            clock.moved[0] = 1
+
+    return watch
 
 
 @plain
@@ -61,8 +85,11 @@ def orient(
 
 
 @functools.cache
-def drift(rotate: wp.Function, *, predicted: bool, driven: bool, contacts: bool) -> wp.Kernel:
+def drift(
+    rotate: wp.Function, *, predicted: bool, driven: bool, contacts: bool, surfaces: bool
+) -> wp.Kernel:
     """Kernel of the first half kick and the drift; ``rotate`` is a drift of kernels.rotation."""
+    watch = watching(surfaces=surfaces and driven)
 
     @variant
     def drift(
@@ -153,15 +180,25 @@ def gather(pairs: Pairs, incidence: Incidence, body: int):
     return force, torque
 
 
+@inlined()
+def book(energy: Account, body: int, power: real, dt: real):
+    """Add the work of a step, whose powers at both ends are known, to a body's account."""
+    mean = real(0.5) * (power + energy.body_power[body])
+    energy.work[body] = energy.work[body] + mean * dt
+    energy.body_power[body] = power
+
+
 @functools.cache
-def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
+def kick(torque_of: wp.Function, forces: Forces, *, contacts: bool, account: bool) -> wp.Kernel:
     """Kernel of the gathering of forces and the second half kick."""
+    act = external_forces(forces)
 
     @variant
     def kick(
         # model
         inertia: Inertia,
         gravity: vec3,
+        external: External,
         # in
         dt: real,
         span: wp.array(dtype=wp.int32),
@@ -187,7 +224,15 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
         if wp.static(contacts):
             force, torque = gather(pairs, incidence, body)
         if free:
-            force += gravity / inertia.inverse_mass[body]
+            weight = gravity / inertia.inverse_mass[body]
+            if wp.static(forces.some):
+                force, torque, power = act(
+                    inertia, external, bodies, weight, body, force, torque, dt
+                )
+                if wp.static(forces.account):
+                    book(energy, body, power, dt)
+            else:
+                force += weight
             spun = bodies.angular_momentum[body]
             torque = torque_of(torque, bodies.spin[body], spun)
             half = real(0.5) * dt
@@ -197,8 +242,6 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
             bodies.angular_momentum[body] = spun + torque * half
         else:
             power = -wp.dot(force, bodies.velocity[body]) - wp.dot(torque, bodies.spin[body])
-            mean = real(0.5) * (power + energy.driver_power[body])
-            energy.work[body] = energy.work[body] + mean * dt
-            energy.driver_power[body] = power
+            book(energy, body, power, dt)
 
     return kick

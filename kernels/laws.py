@@ -17,6 +17,7 @@ class Laws(NamedTuple):
     convex: bool  # every face is convex
     two_sided: bool  # some open surface acts on both sides
     cones: bool  # some shape restricts the directions of its edges and vertices
+    surfaces: bool  # some fixed body is an analytic surface
     hooke: bool  # some pair of groups has spring and dashpot
     avalanche: bool  # some has the law of rock avalanches
     custom: tuple[wp.Function, ...]  # normal forces of the user's own

@@ -13,11 +13,13 @@ from warpdem.kernels.codes import (
     FV,
     VE,
     VF,
+    VS,
     feature_of_owner,
     feature_of_partner,
     kind_of,
 )
 from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.surfaces import height_above
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
 
@@ -196,8 +198,21 @@ def in_cone(geometry: Geometry, bodies: Bodies, body: int, feature: int, directi
     return True
 
 
+@wp.func
+def vertex_surface(height: real, normal: vec3, p: vec3, radius_v: real) -> Hit:
+    """Vertex p, ``height`` above an analytic surface along its normal; at any depth."""
+    hit = Hit()
+    hit.admissible = True
+    hit.gap = height - radius_v
+    hit.normal = normal
+    hit.point = p - normal * (radius_v + real(0.5) * hit.gap)
+    return hit
+
+
 @functools.cache
-def feature_pair(*, polyhedra: bool, convex: bool, two_sided: bool, cones: bool) -> wp.Function:
+def feature_pair(
+    *, polyhedra: bool, convex: bool, two_sided: bool, cones: bool, surfaces: bool
+) -> wp.Function:
     """Function of any feature pair; without ``polyhedra`` only vertices (spheres) are compiled."""
     face = vertex_face(convex=convex, two_sided=two_sided)
 
@@ -282,4 +297,21 @@ def feature_pair(*, polyhedra: bool, convex: bool, two_sided: bool, cones: bool)
     ) -> Hit:
         return between(d, vec3(), geometry.radius[i], geometry.radius[j], margin, True)
 
-    return polyhedral if polyhedra else spherical
+    pair_of = polyhedral if polyhedra else spherical
+
+    @inlined()
+    def with_surfaces(
+        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
+    ) -> Hit:
+        hit = Hit()
+        if kind_of(code) == VS:
+            p = d
+            if wp.static(polyhedra):
+                p = d + bodies.arm[geometry.arm_start[i] + feature_of_owner(code)]
+            height, normal = height_above(geometry, bodies, j, p)
+            hit = vertex_surface(height, normal, p, geometry.radius[i])
+        else:
+            hit = pair_of(geometry, bodies, i, j, d, margin, code)
+        return hit
+
+    return with_surfaces if surfaces else pair_of

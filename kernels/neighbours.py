@@ -8,6 +8,7 @@ import functools
 import warp as wp
 from warpdem.kernels.bounds import bodies_near
 from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.surfaces import surface_near
 from warpdem.kernels.variant import inlined, plain, variant
 from warpdem.kernels.views import Bodies, Geometry, Incidence, Inertia, Pairs
 
@@ -31,7 +32,7 @@ def insert(partners: wp.array(dtype=wp.int32), first: int, last: int, partner: i
 
 
 @functools.cache
-def find_partners(*, fill: bool, large: bool) -> wp.Kernel:
+def find_partners(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
     """Kernel that counts, or writes in ascending order, the partners each body owns."""
 
     @variant
@@ -43,6 +44,7 @@ def find_partners(*, fill: bool, large: bool) -> wp.Kernel:
         grid_bound: real,
         tree: wp.uint64,
         tree_body: wp.array(dtype=wp.int32),
+        surface_body: wp.array(dtype=wp.int32),
         # in
         skin: real,
         bodies: Bodies,
@@ -77,6 +79,14 @@ def find_partners(*, fill: bool, large: bool) -> wp.Kernel:
                 j = tree_body[item]
                 if j != i and owns(geometry, inertia, i, j):
                     if bodies_near(geometry, bodies, i, j, skin):
+                        if wp.static(fill):
+                            insert(partner, first, first + n, j)
+                        n += 1
+        if wp.static(surfaces):
+            for k in range(surface_body.shape[0]):
+                j = surface_body[k]
+                if owns(geometry, inertia, i, j):
+                    if surface_near(geometry, bodies, i, j, skin):
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1

@@ -22,6 +22,7 @@ def find_touching(laws: Laws) -> wp.Function:
         convex=laws.convex,
         two_sided=laws.two_sided,
         cones=laws.cones,
+        surfaces=laws.surfaces,
     )
     hand = hand_over(gap_of, laws)
 

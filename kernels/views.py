@@ -37,15 +37,20 @@ class Geometry:
     # half-spaces of the directions in which a terrain's vertex or edge may touch
     cone_start: wp.array(dtype=wp.int32)
     cone: wp.array(dtype=vec3)
+    # of a shape that is an analytic surface: which (codes.py), 0 for others, and its radius
+    surface: wp.array(dtype=wp.int32)
+    surface_radius: wp.array(dtype=real)
     # of a body
     shape: wp.array(dtype=wp.int32)
     scale: wp.array(dtype=real)
     radius: wp.array(dtype=real)  # rounding, scaled
-    bound: wp.array(dtype=real)  # bounding sphere about the centre of mass, rounding included
+    # bounding sphere about the centre of mass, rounding included; of a surface that moves: the
+    # distance of the farthest body when the lists were made
+    bound: wp.array(dtype=real)
     arm_start: wp.array(dtype=wp.int32)
     group: wp.array(dtype=wp.int32)
     rank: wp.array(dtype=wp.int32)  # of two bodies the lower one owns the pair
-    large: wp.array(dtype=wp.int32)  # found through the tree of large bodies, not the grid
+    large: wp.array(dtype=wp.int32)  # a surface, or found through the tree of large bodies
 
 
 @wp.struct
@@ -153,13 +158,31 @@ class Clock:
 
 
 @wp.struct
+class External:
+    """Forces on single bodies: coefficients of each body, and what all share."""
+
+    drag: wp.array(dtype=real)  # [kg/m]
+    fluid: wp.array(dtype=real)  # friction against the flow [kg/m]
+    flow: wp.array(dtype=vec3, ndim=3)  # velocity of the fluid at the nodes of a grid [m/s]
+    origin: vec3  # its first node [m]
+    spacing: vec3
+    damping: real
+    speed_limit: real
+    speed_exponent: real
+    spin_limit: real
+    spin_exponent: real
+
+
+@wp.struct
 class Account:
-    """Energies: of a pair (elastic now; dashpot, friction, rolling since), of a driver.
+    """Energies: of a pair (elastic now; dashpot, friction, rolling since), of a driver or force.
 
     A pair's powers [W] of this instant have been counted for a whole step, half of it ahead.
+    ``body_power`` and ``work`` are, of a driven body, what its motion does; of a free one, what
+    the external forces but gravity do on it.
     """
 
     pair: wp.array(dtype=vec4)
     power: wp.array(dtype=vec4)
-    driver_power: wp.array(dtype=real)
+    body_power: wp.array(dtype=real)
     work: wp.array(dtype=real)

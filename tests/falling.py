@@ -38,6 +38,7 @@ def cube(name="cube", frame_rotation=(1.0, 0.0, 0.0, 0.0)):
         bound=0.75**0.5,
         frame_rotation=np.array(frame_rotation),
         notes=(),
+        analytic=None,
     )
 
 
@@ -94,6 +95,7 @@ def snapshot(position, *, orientation=None, at=0.0, step=0, velocity=None, touch
             friction=0.0,
             rolling=0.0,
             work=0.0,
+            external=0.0,
             balance=1e-17,
             contact_count=step,
             largest_overlap=0.0,

@@ -13,6 +13,7 @@ HOST = sorted((ROOT / "warpdem").rglob("*.py"))
 DEVICE_SIDE = {
     "build",
     "compile",
+    "device_forces",
     "device_shapes",
     "devices",
     "lists",

@@ -138,16 +138,16 @@ def test_faults_of_keys_and_between_keys_come_together():
             'kind = "sphere"',
             'kind = "spere"',
             (
-                '5  shape[0].kind = "spere": must be one of "box", "sphere", "mesh", "polyhedron", '
-                '"shp", "terrain"; did you mean "sphere"?'
+                '5  shape[0].kind = "spere": must be one of "box", "sphere", "capsule", "plane", '
+                '"cylinder", "ball", "mesh", "polyhedron", "shp", "terrain"; did you mean "sphere"?'
             ),
         ),
         (
             'kind = "sphere"\n',
             "",
             (
-                '4  shape[0].kind: missing: one of "box", "sphere", "mesh", "polyhedron", "shp", '
-                '"terrain"'
+                '4  shape[0].kind: missing: one of "box", "sphere", "capsule", "plane", '
+                '"cylinder", "ball", "mesh", "polyhedron", "shp", "terrain"'
             ),
         ),
         (

@@ -8,8 +8,9 @@ import numpy as np
 import warp as wp
 
 from warpdem.checks.timestep import masses
+from warpdem.device_forces import external_of
 from warpdem.device_shapes import shape_arrays
-from warpdem.features import Features, has_tree, large_bodies
+from warpdem.features import Features, has_tree, large_bodies, surface_bodies
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Geometry, Inertia
 from warpdem.materials import materials
@@ -40,6 +41,7 @@ def build(
     geometry, trees = shape_arrays(shapes, np.unique(placement.shape), device)
     bound = np.array([shapes[k].bound for k in placement.shape]) * placement.scale
     large = large_bodies(placement, shapes)
+    surface = surface_bodies(placement, shapes)
     arms = _body_arrays(geometry, placement, shapes, bound, large, device)
     mass, moment = masses(placement, polyhedra)
     model = Model(
@@ -54,6 +56,8 @@ def build(
         moment=moment,
         bound=bound,
         large=large,
+        surface=surface,
+        external=external_of(scene, placement, polyhedra, device),
         skin=_skin(scene, bound[~placement.fixed]),
         reach=max((law.dncut or 0.0 for law in scene.contact), default=0.0),
         skin_adapts=scene.run.skin == "auto" and scene.run.list_distance is None,
@@ -84,7 +88,8 @@ def _body_arrays(
     counts = np.array([len(shape.vertices) for shape in shapes])[placement.shape]
     starts = np.concatenate([[0], np.cumsum(counts)])
     tree = np.array([has_tree(shape) for shape in shapes])[placement.shape]
-    order = np.lexsort((np.arange(len(counts)), tree, large))
+    # surfaces are the partner of all others
+    order = np.lexsort((np.arange(len(counts)), tree, large, surface_bodies(placement, shapes)))
     rank = np.empty(len(counts), dtype=np.int32)
     rank[order] = np.arange(len(counts))
     radius = np.array([shape.radius for shape in shapes])[placement.shape] * placement.scale

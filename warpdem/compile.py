@@ -34,9 +34,9 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
         return kernels
     for fill in (False, True):
         word = "fill" if fill else "count"
-        kernels[f"{word} pairs"] = find_partners(fill=fill, large=has.large)
+        kernels[f"{word} pairs"] = find_partners(fill=fill, large=has.large, surfaces=has.surfaces)
         kernels[f"{word} candidates"] = find_candidates(
-            fill=fill, polyhedra=has.polyhedra, trees=has.trees
+            fill=fill, polyhedra=has.polyhedra, trees=has.trees, surfaces=has.surfaces
         )
     kernels["history"] = history_kernel(has)
     kernels["incidence"] = incidence_keys

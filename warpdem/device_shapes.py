@@ -9,7 +9,7 @@ import warp as wp
 
 from warpdem.errors import CapacityError
 from warpdem.features import has_tree
-from warpdem.kernels.codes import FEATURE_LIMIT
+from warpdem.kernels.codes import BALL, CYLINDER, FEATURE_LIMIT, PLANE
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.views import Geometry
 from warpdem.model import on
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 FLAT = 1e-7
 # faces times sides of a non-convex solid above which no thickness is looked for (some 4 s)
 THICKNESS_LIMIT = 400_000_000
+SURFACES = {"plane": int(PLANE), "cylinder": int(CYLINDER), "ball": int(BALL)}
 
 
 def shape_arrays(
@@ -36,6 +37,10 @@ def shape_arrays(
     _features(geometry, shapes, device)
     _sides(geometry, shapes, device)
     _cones(geometry, shapes, device)
+    analytic = [shape.analytic for shape in shapes]
+    kinds = np.array([SURFACES[a.kind] if a else 0 for a in analytic], np.int32)
+    geometry.surface = on(device, kinds, wp.int32)
+    geometry.surface_radius = on(device, np.array([a.radius if a else 0.0 for a in analytic]), real)
     ids = np.zeros(len(shapes), dtype=np.uint64)
     trees = []
     for k in used:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from warpdem.input.scene_force import Drag, Fluid, NumericalDamping, VelocityBarrier
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -34,6 +36,7 @@ class Features:
     convex: bool
     two_sided: bool
     cones: bool
+    surfaces: bool
     trees: bool
     large: bool
     spherical: bool
@@ -60,6 +63,12 @@ class Features:
     sticky: bool
     reaching: bool
     documented: bool
+    drag: bool
+    fluid: bool
+    trilinear: bool
+    numerical_damping: bool
+    velocity_barrier: bool
+    spin_barrier: bool
     account: bool
 
 
@@ -81,13 +90,15 @@ def features_of(
         convex=all(bool(np.all(shape.face_convex)) for shape in used),
         two_sided=any(shape.two_sided and len(shape.face_offsets) > 0 for shape in used),
         cones=any(len(shape.cone_planes) > 0 for shape in used),
+        surfaces=any(shape.analytic is not None for shape in used),
         trees=any(has_tree(shape) for shape in used),
-        large=bool(large_bodies(placement, shapes).any()),
+        large=bool((large_bodies(placement, shapes) & ~surface_bodies(placement, shapes)).any()),
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
         driven=bool(moving.any()),
         account=scene.output.energy,
         **_numerics(how, laws),
         **_laws(scene, laws),
+        **_forces(scene),
     )
 
 
@@ -142,18 +153,37 @@ def elastic_cap(law: Contact) -> bool:
     return law.law in {"default", "custom"} and not law.attracts
 
 
+def _forces(scene: Scene) -> dict[str, bool]:
+    barriers = [force for force in scene.force if isinstance(force, VelocityBarrier)]
+    fluids = [force for force in scene.force if isinstance(force, Fluid)]
+    return {
+        "drag": any(isinstance(force, Drag) for force in scene.force),
+        "fluid": bool(fluids),
+        "trilinear": any(fluid.interpolation == "trilinear" for fluid in fluids),
+        "numerical_damping": any(isinstance(force, NumericalDamping) for force in scene.force),
+        "velocity_barrier": any(barrier.velocity is not None for barrier in barriers),
+        "spin_barrier": any(barrier.spin is not None for barrier in barriers),
+    }
+
+
 def has_tree(shape: Polyhedron) -> bool:
     """Whether a shape is searched through a tree over its features."""
     return len(shape.vertices) + len(shape.edges) + len(shape.face_offsets) > TREE_FEATURES
 
 
+def surface_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
+    """Which bodies are analytic surfaces, shape [body_count] bool."""
+    return np.array([shape.analytic is not None for shape in shapes], dtype=bool)[placement.shape]
+
+
 def large_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
-    """Which bodies are too large for the grid, shape [body_count] bool."""
+    """Which bodies are too large for the grid, or analytic surfaces, shape [body_count] bool."""
     bound = np.array([shapes[k].bound for k in placement.shape]) * placement.scale
     free = ~placement.fixed
+    surface = surface_bodies(placement, shapes)
     if not free.any():
-        return np.zeros(len(bound), dtype=bool)
-    return bound > LARGE_BODY * float(np.median(bound[free]))
+        return surface
+    return surface | (bound > LARGE_BODY * float(np.median(bound[free])))
 
 
 def _is_spherical(shape: Polyhedron) -> bool:

@@ -64,7 +64,10 @@ class Lists:
         self._grid_bound = float(model.bound[~model.large].max(initial=0.0))
         self._grid = self._hash_grid()
         self._tree: wp.Bvh | None = None
-        self._tree_body = wp.array(np.flatnonzero(model.large), dtype=wp.int32, device=device)
+        self._in_tree = np.flatnonzero(model.large & ~model.surface)
+        self._tree_body = wp.array(self._in_tree, dtype=wp.int32, device=device)
+        surfaces = np.flatnonzero(model.surface)
+        self._surface_body = wp.array(surfaces, dtype=wp.int32, device=device)
         self._grow_pairs(1)
         self._grow_candidates(1)
 
@@ -80,6 +83,8 @@ class Lists:
         old = self._keep_old()
         if adapt:
             self._adapt_skin()
+        if self._model.features.surfaces and self._model.features.driven:
+            self._measure_surfaces()
         self._find_pairs()
         self._find_candidates()
         self._carry(old)
@@ -189,6 +194,17 @@ class Lists:
         """What some laws remember of a contact; of length 1 where the scene has none of them."""
         return self.candidates.rolled, self.candidates.share, self.candidates.last
 
+    def _measure_surfaces(self) -> None:
+        """Distances of the farthest bodies from the surfaces: what moves there as these turn."""
+        model = self._model
+        position = self._state.bodies.position.numpy()
+        free = model.free
+        bound = model.geometry.bound.numpy().copy()
+        for surface in np.flatnonzero(model.surface):
+            away = np.linalg.norm(position[free] - position[surface], axis=1) + bound[free]
+            bound[surface] = away.max(initial=0.0) + self.skin
+        model.geometry.bound.assign(bound)
+
     def _find_pairs(self) -> None:
         model, bodies = self._model, self._state.bodies
         reach = self.skin + model.reach
@@ -199,7 +215,7 @@ class Lists:
 
         def launch(owner: wp.array, partner: wp.array, *, fill: bool) -> None:
             wp.launch(
-                find_partners(fill=fill, large=large),
+                find_partners(fill=fill, large=large, surfaces=model.features.surfaces),
                 dim=model.body_count,
                 inputs=[
                     model.geometry,
@@ -208,6 +224,7 @@ class Lists:
                     self._grid_bound,
                     tree.id if tree is not None else 0,
                     self._tree_body,
+                    self._surface_body,
                     reach,
                     bodies,
                 ],
@@ -226,7 +243,7 @@ class Lists:
     def _large_tree(self) -> wp.Bvh | None:
         """Tree over the boxes of the large bodies; made once when they stand still."""
         model = self._model
-        large = np.flatnonzero(model.large)
+        large = self._in_tree
         if len(large) == 0:
             return None
         still = not (model.free[large].any() or model.features.driven)
@@ -282,7 +299,12 @@ class Lists:
 
         def launch(ends: wp.array, *, fill: bool) -> None:
             wp.launch(
-                find_candidates(fill=fill, polyhedra=has.polyhedra, trees=has.trees),
+                find_candidates(
+                    fill=fill,
+                    polyhedra=has.polyhedra,
+                    trees=has.trees,
+                    surfaces=has.surfaces,
+                ),
                 dim=count,
                 inputs=[
                     model.geometry,

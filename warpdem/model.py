@@ -11,7 +11,7 @@ import warp as wp
 if TYPE_CHECKING:
     from warpdem.arrays import BoolArray, FloatArray, IntArray
     from warpdem.features import Features
-    from warpdem.kernels.views import Geometry, Inertia
+    from warpdem.kernels.views import External, Geometry, Inertia
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,9 @@ class Model:
         gravity: Acceleration of free fall [m/s^2].
         mass, moment: On the host; infinite for fixed bodies, shapes [body_count], [body_count, 3].
         bound: Bounding radii [m], shape [body_count].
-        large: Bodies found through the tree of large bodies, shape [body_count].
+        large: Bodies found through the tree of large bodies, and surfaces, shape [body_count].
+        surface: Bodies that are analytic surfaces, shape [body_count].
+        external: Forces on single bodies (see kernels.views).
         skin: Distance within which feature pairs are listed, at first [m].
         skin_adapts: The scene leaves it to the run.
         reach: Gap up to which some contacts attract [m].
@@ -47,6 +49,8 @@ class Model:
     moment: FloatArray
     bound: FloatArray
     large: BoolArray
+    surface: BoolArray
+    external: External
     skin: float
     skin_adapts: bool
     reach: float

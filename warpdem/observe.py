@@ -151,7 +151,8 @@ def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, flo
 def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -> Energy:
     kinetic, potential, elastic = _stored(model, state, lists)
     lost = lists.spent + lists.since() - 0.5 * dt * lists.power()
-    work = float(state.account.work.numpy().sum())
+    done = state.account.work.numpy()
+    work, external = float(done[~model.free].sum()), float(done[model.free].sum())
     place, _ = slots(lists)
     gap = lists.candidates.gap.numpy()[place]
     return Energy(
@@ -162,7 +163,8 @@ def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -
         friction=float(lost[1]),
         rolling=float(lost[2]),
         work=work,
-        balance=kinetic + potential + elastic + float(lost.sum()) - work - start,
+        external=external,
+        balance=kinetic + potential + elastic + float(lost.sum()) - work - external - start,
         contact_count=len(place),
         largest_overlap=float(-gap.min(initial=0.0)),
     )

@@ -40,7 +40,7 @@ def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
     """Host copies of everything a step depends on."""
     saved = {name: getattr(state.bodies, name).numpy().copy() for name in BODIES}
     saved["work"] = state.account.work.numpy().copy()
-    saved["driver_power"] = state.account.driver_power.numpy().copy()
+    saved["body_power"] = state.account.body_power.numpy().copy()
     saved["spent"] = lists.spent.copy()
     saved["skin"] = np.array([lists.skin])
     saved["born"] = np.array([lists.born])
@@ -80,7 +80,7 @@ def put_back(
     for name in BODIES:
         getattr(bodies, name).assign(saved[name])
     state.account.work.assign(saved["work"])
-    state.account.driver_power.assign(saved["driver_power"])
+    state.account.body_power.assign(saved["body_power"])
     if contacts:
         bodies.position.assign(saved["listed_position"])
         bodies.orientation.assign(saved["listed_orientation"])

@@ -20,7 +20,7 @@ class Contacts:
     Attributes:
         bodies: The two bodies i, j of each contact, shape [contact_count, 2].
         kind: 0 vertex-vertex, 1 vertex-edge, 2 edge-vertex, 3 vertex-face, 4 face-vertex,
-            5 edge-edge (feature of i first), shape [contact_count].
+            5 edge-edge, 6 vertex-surface (feature of i first), shape [contact_count].
         features: Index of the feature of i and of j in its shape, shape [contact_count, 2].
         point: Contact point, world [m], shape [contact_count, 3].
         normal: Unit normal from j to i, world, shape [contact_count, 3].
@@ -45,8 +45,9 @@ class Contacts:
 class Energy:
     """Energies of the free bodies and what entered or left since the start [J].
 
-    ``balance`` is kinetic + potential + elastic + dissipated - work of drivers, less its value at
-    the start: zero but for the error of the time step.
+    ``external`` is the work of forces on single bodies but gravity: drag, fluid, numerical damping,
+    barriers. ``balance`` is kinetic + potential + elastic + dissipated - work of drivers -
+    external, less its value at the start: zero but for the error of the time step.
     """
 
     kinetic: float
@@ -56,6 +57,7 @@ class Energy:
     friction: float
     rolling: float
     work: float
+    external: float
     balance: float
     contact_count: int
     largest_overlap: float

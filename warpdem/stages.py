@@ -6,6 +6,7 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from warpdem.kernels.external import Forces
 from warpdem.kernels.forces import pair_forces
 from warpdem.kernels.integrate import drift as drift_kernel
 from warpdem.kernels.integrate import halt as halt_kernel
@@ -53,7 +54,11 @@ def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
     """First half kick and drift."""
     has = model.features
     kernel = drift_kernel(
-        _rotate(has), predicted=has.predicted, driven=has.driven, contacts=has.contacts
+        _rotate(has),
+        predicted=has.predicted,
+        driven=has.driven,
+        contacts=has.contacts,
+        surfaces=has.surfaces,
     )
     arguments = (
         model.geometry,
@@ -96,10 +101,11 @@ def kick(
     has = model.features
     torque = free_torque if has.rotation == "no_squish" else taylor_torque
     account = has.account and has.driven
-    kernel = kick_kernel(torque, contacts=contacts, account=account)
+    kernel = kick_kernel(torque, forces_on_bodies(has), contacts=contacts, account=account)
     arguments = (
         model.inertia,
         vec3(*model.gravity),
+        model.external,
         dt,
         share.bodies,
         lists.pairs,
@@ -123,6 +129,11 @@ def laws(has: Features) -> Laws:
     chosen = {name: getattr(has, name) for name in Laws._fields}
     chosen["custom"] = tuple(load_custom_law(file, name) for file, name in has.custom)
     return Laws(**chosen)
+
+
+def forces_on_bodies(has: Features) -> Forces:
+    """The forces on single bodies that a scene chose."""
+    return Forces(**{name: getattr(has, name) for name in Forces._fields})
 
 
 def _rotate(has: Features) -> wp.Function:

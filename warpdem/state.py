@@ -50,7 +50,7 @@ def allocate(device: Any, body_count: int, arm_count: int, *, account: bool) -> 
     clock.reach = zeros(real, 1)
     energy = Account()
     kept = body_count if account else 1
-    energy.driver_power = zeros(real, kept)
+    energy.body_power = zeros(real, kept)
     energy.work = zeros(real, kept)
     energy.pair = zeros(vec4, 1)
     energy.power = zeros(vec4, 1)

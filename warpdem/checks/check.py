@@ -14,6 +14,7 @@ from warpdem.checks.timestep import TimeStep, automatic_step, masses
 from warpdem.errors import GeometryError, Problem, SceneError
 from warpdem.features import features_of, stage_names
 from warpdem.filling.placement import Placement, place
+from warpdem.flow import flow_of
 from warpdem.geometry.shapes import polyhedron_of
 from warpdem.input.decode import problem_at
 
@@ -52,6 +53,7 @@ def check(scene: Scene) -> Report:
     """
     check_custom_laws(scene)
     polyhedra = build_shapes(scene)
+    flow_of(scene)
     placement = place(scene, polyhedra)
     step, problems = _step(scene, placement, polyhedra)
     features = features_of(scene, placement, polyhedra)

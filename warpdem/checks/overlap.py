@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from warpdem.features import large_bodies
+from warpdem.features import large_bodies, surface_bodies
+from warpdem.geometry.orientation import matrix
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -63,7 +64,31 @@ def overlaps_at_start(placement: Placement, polyhedra: Mapping[str, Polyhedron])
     if len(deep) > NAMED:
         others = f"{len(deep) - NAMED} more pairs of balls"
         warnings.append(f"{others} overlap by over {100 * DEEP:g} % of a radius")
+    warnings.extend(_beyond_surfaces(placement, shapes, bound * ball))
     return AtStart(tuple(warnings), int((~exact).sum()))
+
+
+def _beyond_surfaces(
+    placement: Placement, shapes: list[Polyhedron], ball_radius: FloatArray
+) -> list[str]:
+    """Bodies whose centre is beyond an analytic surface; balls also that reach deep into it."""
+    free = np.flatnonzero(~placement.fixed)
+    warnings = []
+    for body in np.flatnonzero(surface_bodies(placement, shapes)):
+        surface = shapes[placement.shape[body]].analytic
+        assert surface
+        scale = placement.scale[body]
+        away = placement.position[free] - placement.position[body]
+        height = surface.height(away @ matrix(placement.orientation[body]) / scale) * scale
+        depth = ball_radius[free] - height
+        deep = np.flatnonzero((depth > DEEP * ball_radius[free]) & (depth > 0.0))
+        deep = deep[np.argsort(-depth[deep], kind="stable")]
+        warnings += [
+            _named(placement, np.array([free[k], body]), float(depth[k])) for k in deep[:NAMED]
+        ]
+        if len(deep) > NAMED:
+            warnings.append(f"{len(deep) - NAMED} more bodies overlap such a surface")
+    return warnings
 
 
 def _named(placement: Placement, pair: IntArray, depth: float) -> str:

@@ -14,6 +14,7 @@ from warpdem.geometry.orientation import matrix
 
 if TYPE_CHECKING:
     from warpdem.arrays import BoolArray, FloatArray, IntArray
+    from warpdem.geometry.analytic import Analytic
     from warpdem.geometry.polyhedron import Polyhedron
 
 
@@ -97,6 +98,33 @@ class Obstacle:
         elif self.shape.terrain:
             touched |= self.elements.covers(points) > 0
         return touched
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceObstacle:
+    """An analytic surface in space.
+
+    Attributes:
+        surface: The surface.
+        position: Of its origin [m], shape [3].
+        orientation: Unit quaternion of its frame, shape [4].
+        scale: Homothety.
+    """
+
+    surface: Analytic
+    position: FloatArray
+    orientation: FloatArray
+    scale: float
+
+    def touched(self, centres: FloatArray, radii: FloatArray) -> BoolArray:
+        """Balls that meet the surface or lie beyond it, shape [ball_count].
+
+        Args:
+            centres: World [m], shape [ball_count, 3].
+            radii: [m], shape [ball_count].
+        """
+        points = (centres - self.position) @ matrix(self.orientation) / self.scale
+        return self.surface.height(points) < radii / self.scale
 
 
 def distances(points: FloatArray, triangles: FloatArray) -> FloatArray:

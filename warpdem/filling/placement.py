@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.errors import SceneError
-from warpdem.filling.clearance import Elements, Obstacle
+from warpdem.filling.clearance import Elements, Obstacle, SurfaceObstacle
 from warpdem.filling.filling import Filled, filled
 from warpdem.filling.scatter import Balls
 from warpdem.filling.sizes import largest
@@ -106,6 +106,8 @@ def _massless(scene: Scene, shapes: Mapping[str, Polyhedron]) -> list[Problem]:
 
 
 def _lacking_mass(shape: Polyhedron) -> str:
+    if shape.analytic:
+        return "an infinite surface cannot move freely; set fixed = true"
     if shape.terrain:
         return "ground cannot move; set fixed = true"
     return (
@@ -205,25 +207,22 @@ class _Blocked:
     ) -> None:
         names = list(shapes)
         bound = np.array([shape.bound for shape in shapes.values()])[given.shape] * given.scale
-        small = bound <= reach
+        infinite = np.array([shape.analytic is not None for shape in shapes.values()], dtype=bool)
+        small = (bound <= reach) & ~infinite[given.shape]
         self._reach = reach
         self._balls = Balls()
         self._balls.add(given.position[small], bound[small])
         for made in fills:
             self._balls.add(made.position, made.radius)
-        self._obstacles = []
+        self._obstacles: list[Obstacle | SurfaceObstacle] = []
         for body in np.flatnonzero(~small):
             name = names[given.shape[body]]
+            place = given.position[body], given.orientation[body], float(given.scale[body])
+            if surface := shapes[name].analytic:
+                self._obstacles.append(SurfaceObstacle(surface, *place))
+                continue
             elements.setdefault(name, Elements(shapes[name]))
-            self._obstacles.append(
-                Obstacle(
-                    shapes[name],
-                    elements[name],
-                    given.position[body],
-                    given.orientation[body],
-                    float(given.scale[body]),
-                )
-            )
+            self._obstacles.append(Obstacle(shapes[name], elements[name], *place))
 
     def __call__(self, centres: FloatArray, radii: FloatArray) -> BoolArray:
         """Balls that meet a body, shape [n]."""

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from warpdem.arrays import BoolArray, FloatArray, IntArray
+    from warpdem.geometry.analytic import Analytic
     from warpdem.geometry.core import Core
 
 _OPEN = 1000  # faces beyond which an open surface is taken for a wall, without mass
@@ -83,6 +84,7 @@ class Polyhedron:
         frame_origin: Origin in the shape's own frame [m], shape [3].
         frame_rotation: Unit quaternion w, x, y, z from this frame to the shape's own, shape [4].
         notes: Repairs made, as sentences.
+        analytic: The surface this stands for instead, whose origin is the only vertex; or None.
     """
 
     name: str
@@ -110,10 +112,16 @@ class Polyhedron:
     frame_origin: FloatArray
     frame_rotation: FloatArray
     notes: tuple[str, ...] = ()
+    analytic: Analytic | None = None
 
     @cached_property
     def bound(self) -> float:
-        """Radius of the bounding sphere about the origin, rounding included [m]."""
+        """Radius of the bounding sphere about the origin, rounding included [m].
+
+        A length of its size for an analytic surface, which has no bounds.
+        """
+        if self.analytic:
+            return self.analytic.bound
         return float(np.sqrt(np.einsum("ij,ij->i", self.vertices, self.vertices).max())) + (
             self.radius
         )

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import replace
 from io import StringIO
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from warpdem.errors import GeometryError
+from warpdem.geometry.analytic import Analytic
 from warpdem.geometry.inertia import rounded_box
 from warpdem.geometry.polyhedron import Polyhedron, build
 from warpdem.geometry.shp import ShpItem, read_shp
 from warpdem.geometry.terrain import read_raster, terrain
 from warpdem.input.scene_shapes import (
+    BallShape,
     BoxShape,
+    CapsuleShape,
+    CylinderShape,
     MeshShape,
+    PlaneShape,
     PolyhedronShape,
     ShpShape,
     SphereShape,
@@ -71,10 +77,10 @@ def polyhedron_of(shape: Shape, directory: Path) -> Polyhedron:
         GeometryError: The shape cannot be simulated, or its file cannot be read.
     """
     match shape:
-        case BoxShape():
-            return box(shape.name, shape.size, shape.rounding, declared=_declared(shape))
-        case SphereShape():
-            return box(shape.name, (2.0 * shape.radius,) * 3, shape.radius)
+        case BoxShape() | SphereShape() | CapsuleShape():
+            return _rounded(shape)
+        case PlaneShape() | CylinderShape() | BallShape():
+            return analytic(shape.name, _surface(shape))
         case PolyhedronShape():
             return _polyhedron(shape)
         case MeshShape():
@@ -85,6 +91,26 @@ def polyhedron_of(shape: Shape, directory: Path) -> Polyhedron:
             return terrain(
                 read_raster(directory / shape.file), name=shape.name, radius=shape.rounding
             )
+
+
+def _rounded(shape: BoxShape | SphereShape | CapsuleShape) -> Polyhedron:
+    match shape:
+        case BoxShape():
+            return box(shape.name, shape.size, shape.rounding, declared=_declared(shape))
+        case SphereShape():
+            return box(shape.name, (2.0 * shape.radius,) * 3, shape.radius)
+        case CapsuleShape():
+            return capsule(shape.name, shape.length, shape.radius)
+
+
+def _surface(shape: PlaneShape | CylinderShape | BallShape) -> Analytic:
+    match shape:
+        case PlaneShape():
+            return Analytic("plane", 0.0, shape.extent)
+        case CylinderShape():
+            return Analytic("cylinder", shape.radius, shape.length)
+        case BallShape():
+            return Analytic("ball", shape.radius, None)
 
 
 def _declared(shape: BoxShape | PolyhedronShape | MeshShape | ShpShape) -> Declared | None:
@@ -122,6 +148,42 @@ def box(
         edges=edges,
         declared=declared,
         keep_features=True,
+    )
+
+
+def capsule(name: str, length: float, radius: float) -> Polyhedron:
+    """A segment along z about the origin, rounded; mass properties in closed form.
+
+    Args:
+        name: Of the shape.
+        length: Of the segment [m].
+        radius: Of the rounding [m].
+    """
+    extent = np.array([0.0, 0.0, length])
+    mass = rounded_box(extent, radius)
+    vertices, edges, faces = _box_core(extent)
+    declared = (mass.volume, tuple(np.diag(mass.inertia_over_mass)))
+    return build(
+        vertices,
+        faces,
+        name=name,
+        radius=radius,
+        edges=edges,
+        declared=declared,
+        keep_features=True,
+    )
+
+
+def analytic(name: str, surface: Analytic) -> Polyhedron:
+    """A stand-in for an analytic surface: one vertex at its origin, no rounding, no mass."""
+    point = box(name, (2.0, 2.0, 2.0), 1.0)
+    return replace(
+        point,
+        radius=0.0,
+        volume=0.0,
+        inertia_over_mass=np.zeros(3),
+        mass_known=False,
+        analytic=surface,
     )
 
 

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from warpdem.input.contact_rules import attraction, dashpot, laws_of_their_own, programs
+from warpdem.input.rules_force import forces
+from warpdem.input.rules_surface import containers, surfaces_stand
 from warpdem.input.scene_reading import Fault, entries, given, number, numbers, read, tables, text
 from warpdem.input.scene_references import (
     contact_pairs,
@@ -147,7 +149,10 @@ RULES = (
     known_shapes,
     densities,
     terrain_stands,
+    surfaces_stand,
+    containers,
     contact_pairs,
+    forces,
     rolling,
     dashpot,
     attraction,

@@ -158,15 +158,16 @@ def _override(
 
 def _files(data: dict[str, Any], directory: Path) -> list[Fault]:
     faults = []
-    for index, shape in tables(data, "shape"):
-        file = text(shape, "file")
-        try:
-            lacking = file and not (directory / file).is_file()
-        except (OSError, ValueError):
-            lacking = True
-        if lacking:
-            rule = f"there is no such file in {directory.absolute()}"
-            faults.append(Fault(("shape", index, "file"), file, rule))
+    for kind in ("shape", "force"):
+        for index, table in tables(data, kind):
+            file = text(table, "file")
+            try:
+                lacking = file and not (directory / file).is_file()
+            except (OSError, ValueError):
+                lacking = True
+            if lacking:
+                rule = f"there is no such file in {directory.absolute()}"
+                faults.append(Fault((kind, index, "file"), file, rule))
     return faults
 
 

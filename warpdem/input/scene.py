@@ -10,6 +10,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 from warpdem.input.consistency import consistency
 from warpdem.input.scene_contact import Contact
 from warpdem.input.scene_fill import Fill
+from warpdem.input.scene_force import Force
 from warpdem.input.scene_run import Run
 from warpdem.input.scene_shapes import Shape
 from warpdem.input.scene_values import (
@@ -134,6 +135,9 @@ class Scene(Section):
 
     contact: Annotated[tuple[Contact, ...], Field(strict=False)] = ()
     """[[contact]]: the laws between groups; one for each pair of groups that can meet."""
+
+    force: Annotated[tuple[Force, ...], Field(strict=False)] = ()
+    """[[force]]: drag, a flowing fluid, numerical damping, barriers."""
 
     output: Output = Output()
     """[output]: what is written."""

@@ -58,6 +58,57 @@ class SphereShape(_Shape):
     """Radius [m]."""
 
 
+class CapsuleShape(_Shape):
+    """A cylinder with hemispherical ends along its z axis, centred on its origin."""
+
+    kind: Literal["capsule"]
+    radius: Positive
+    """Radius of the cylinder and of its ends [m]."""
+
+    length: Positive
+    """Length between the centres of its ends [m]; it is longer by twice the radius."""
+
+
+class PlaneShape(_Shape):
+    """A plane, for fixed bodies: all of z <= 0 in the shape's own axes is solid.
+
+    It is infinite, and pushes back a body however deep. As of all analytic surfaces only vertices
+    meet it, which is exact for convex bodies; it costs less than a box or a mesh.
+    """
+
+    kind: Literal["plane"]
+    extent: Positive | None = None
+    """Edge length of the square that is drawn [m]; default: as the bodies need at the start."""
+
+
+class CylinderShape(_Shape):
+    """A cylindrical container, for fixed bodies: what lies beyond its radius of z is solid.
+
+    It has no ends: close it by planes. A solid cylinder is a capsule, or a mesh.
+    """
+
+    kind: Literal["cylinder"]
+    radius: Positive
+    """Radius [m]."""
+
+    inside: bool = True
+    """Bodies are inside; nothing else is possible."""
+
+    length: Positive | None = None
+    """Length of the tube that is drawn [m]; default: as the bodies need at the start."""
+
+
+class BallShape(_Shape):
+    """A hollow ball, for fixed bodies: a container, solid beyond its radius."""
+
+    kind: Literal["ball"]
+    radius: Positive
+    """Radius of the hollow [m]."""
+
+    inside: bool = True
+    """Bodies are inside; nothing else is possible: a solid ball is a sphere."""
+
+
 class MeshShape(_Declarable):
     """A solid bounded by the surface in a mesh file (STL, OBJ, PLY), or an open surface."""
 
@@ -118,6 +169,18 @@ class TerrainShape(_Shape):
 
 
 Shape = Annotated[
-    BoxShape | SphereShape | MeshShape | PolyhedronShape | ShpShape | TerrainShape,
+    BoxShape
+    | SphereShape
+    | CapsuleShape
+    | PlaneShape
+    | CylinderShape
+    | BallShape
+    | MeshShape
+    | PolyhedronShape
+    | ShpShape
+    | TerrainShape,
     Field(discriminator="kind"),
 ]
+
+ANALYTIC = ("plane", "cylinder", "ball")
+"""Kinds of the shapes that are surfaces given by a formula."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from warpdem.arrays import FloatArray
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
+    from warpdem.geometry.surface import Surface
     from warpdem.snapshot import Snapshot
 
 
@@ -39,9 +40,12 @@ class Surfaces:
         self._members = [np.flatnonzero(placement.shape == shape) for shape in used]
         every_shape = list(polyhedra.values())
         shapes = [every_shape[shape] for shape in used]
-        self._corners = [shape.surface.points for shape in shapes]
-        self._is_single = _fits_single(shapes, self._members, placement)
-        self._connect(shapes)
+        drawn = [
+            _drawn(shape, who, placement) for shape, who in zip(shapes, self._members, strict=True)
+        ]
+        self._corners = [surface.points for surface in drawn]
+        self._is_single = _fits_single(shapes, drawn, self._members, placement)
+        self._connect(drawn)
         self._constant = {
             "body": np.arange(len(placement.shape), dtype=np.int32),
             "group": placement.group.astype(np.int32),
@@ -49,11 +53,10 @@ class Surfaces:
             "mass": _finite(masses(placement, polyhedra)[0]),
         }
 
-    def _connect(self, shapes: Sequence[Polyhedron]) -> None:
+    def _connect(self, drawn: Sequence[Surface]) -> None:
         connectivity, sizes, owners = [], [], []
         first = 0
-        for shape, members in zip(shapes, self._members, strict=True):
-            surface = shape.surface
+        for surface, members in zip(drawn, self._members, strict=True):
             starts = first + len(surface.points) * np.arange(len(members))
             connectivity.append((starts[:, None] + surface.connectivity).ravel())
             sizes.append(np.tile(np.diff(surface.offsets), len(members)))
@@ -103,12 +106,33 @@ def _finite(mass: FloatArray) -> FloatArray:
     return np.where(np.isfinite(mass), mass, 0.0)
 
 
+def _drawn(shape: Polyhedron, members: NDArray[np.intp], placement: Placement) -> Surface:
+    """Surface of a shape; an analytic one out to the farthest free body from one of its bodies."""
+    if not shape.analytic:
+        return shape.surface
+    free = placement.position[~placement.fixed]
+    reach = 0.0
+    for body in members:
+        away = np.linalg.norm(free - placement.position[body], axis=1).max(initial=0.0)
+        reach = max(reach, float(away / placement.scale[body]))
+    return shape.analytic.drawn(reach or shape.bound)
+
+
 def _fits_single(
-    shapes: Sequence[Polyhedron], members: Sequence[NDArray[np.intp]], placement: Placement
+    shapes: Sequence[Polyhedron],
+    drawn: Sequence[Surface],
+    members: Sequence[NDArray[np.intp]],
+    placement: Placement,
 ) -> bool:
     sizes = [
-        shape.bound * placement.scale[bodies] for shape, bodies in zip(shapes, members, strict=True)
+        shape.bound * placement.scale[bodies]
+        for shape, bodies in zip(shapes, members, strict=True)
+        if not shape.analytic
     ]
-    radius = np.concatenate(sizes)
-    centres = np.abs(placement.position[np.concatenate(members)]).max(axis=1)
-    return bool((centres + radius).max() < SINGLE_REACH * radius.min())
+    smallest = min((size.min() for size in sizes), default=1.0)
+    farthest = max(
+        np.linalg.norm(surface.points, axis=1).max() * placement.scale[bodies].max()
+        + np.abs(placement.position[bodies]).max()
+        for surface, bodies in zip(drawn, members, strict=True)
+    )
+    return bool(farthest < SINGLE_REACH * smallest)

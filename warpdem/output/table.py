@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 TRAJECTORY_COLUMNS = "t,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz"
 ENERGY_COLUMNS = (
-    "t,kinetic,potential,elastic,dashpot,friction,rolling,work,balance,contacts,largest_overlap"
+    "t,kinetic,potential,elastic,dashpot,friction,rolling,work,external,balance,contacts,"
+    "largest_overlap"
 )
 
 _REAL = "%.17g"  # 17 digits return every double exactly
@@ -119,6 +120,7 @@ def energy_row(time: float, energy: Energy) -> str:
         energy.friction,
         energy.rolling,
         energy.work,
+        energy.external,
         energy.balance,
     )
     reals = ",".join(_REAL % value for value in (time, *joules))
