@@ -27,7 +27,7 @@ def cell(conf: Conf, driving: Driving) -> dict[str, Any]:
     for loading in driving.loadings[:-1]:
         conf.note(loading.place, f"PeriodicLoading {loading.name}: left out, the last one counts")
     for loading in driving.loadings[-1:]:
-        made |= _loaded(loading, size)
+        made |= _loaded(loading)
     return made
 
 
@@ -46,7 +46,7 @@ def _note_lacking(conf: Conf) -> None:
             conf.note(conf.places.get(key), said[key])
 
 
-def _loaded(loading: Loading, size: list[float]) -> dict[str, Any]:
+def _loaded(loading: Loading) -> dict[str, Any]:
     """Stress along the axes, compression positive, and the gradient of velocity."""
     rate = [[0.0] * 3 for _ in range(3)]
     stress: list[Any] = [loading.pressure] * 3

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from math import hypot, pi
+from dataclasses import replace
+from math import hypot, pi, radians, sqrt, tan
 from typing import TYPE_CHECKING, Any
 
 from warpdem.converting.driving import AXES, Control, Servo
@@ -24,24 +25,36 @@ def body_name(number: int) -> str:
 
 
 def drivers(conf: Conf, driving: Driving) -> list[dict[str, Any]]:
-    """A driver for each body under control, each ramp and each servo."""
-    servos = driving.servos[-1:]
-    for servo in driving.servos[:-1]:
-        said = f"Servo {servo.name}: left out, the program obeys the last servo alone"
-        conf.note(servo.place, said)
+    """A driver for each body under control, and for each ramp and servo.
+
+    The program obeys the last of its servos alone (a ramp is one): earlier ramps stay where they
+    begin, earlier servos do nothing.
+    """
+    ramps = [control for control in driving.controls if control.ramp]
+    lasting = max(driving.servos + ramps, key=lambda servo: servo.place.line, default=None)
+    controls = [_held(conf, control, lasting) for control in driving.controls]
     made: list[dict[str, Any]] = []
-    controls = list(driving.controls)
-    for servo in servos:
-        more, imposed = _servo(conf, servo)
-        made += more
-        controls += imposed
+    for servo in driving.servos:
+        if servo is lasting:
+            made, imposed = _servo(conf, servo)
+            controls += imposed
+        else:
+            said = f"Servo {servo.name}: left out, the program obeys the last servo alone"
+            conf.note(servo.place, said)
+    made += [_ramp(conf, control) for control in controls if control.ramp]
     steady: dict[int, list[Control]] = defaultdict(list)
     for control in controls:
-        if control.ramp and control.quantity not in FREE:
-            made.append(_ramp(conf, control))
-        else:
+        if not control.ramp:
             steady[control.body].append(control)
     return [driver for body in steady for driver in _controlled(conf, body, steady[body])] + made
+
+
+def _held(conf: Conf, control: Control, lasting: Control | Servo | None) -> Control:
+    if control.ramp is None or control is lasting:
+        return control
+    said = "Servo ramp: stays at its first value, the program obeys the last servo alone"
+    conf.note(control.place, said)
+    return replace(control, ramp=None, values=control.ramp[:1])
 
 
 def _sums(controls: Sequence[Control], quantity: str) -> dict[str, float]:
@@ -70,60 +83,64 @@ def _controlled(conf: Conf, body: int, controls: list[Control]) -> list[dict[str
     if steady:
         made.append({"bodies": [body_name(body)], "kind": "constant", **steady})
     if values["force"] or values["moment"]:
-        made.append(_free(conf, body, controls, values))
+        made.append(_free(body, values))
     return made
 
 
-def _free(
-    conf: Conf, body: int, controls: list[Control], values: dict[str, dict[str, float]]
-) -> dict[str, Any]:
-    driver: dict[str, Any] = {"bodies": [body_name(body)], "kind": "control"}
-    driver |= {key: values[key] for key in FREE if values[key]}
-    ramps = [control for control in controls if control.ramp]
-    if ramps and len(controls) == 1 and ramps[0].ramp:
-        first, last, begin, end = ramps[0].ramp
-        largest = last if abs(last) >= abs(first) else first
-        driver[ramps[0].quantity] = {ramps[0].axes: largest}
-        start = conf.numbers["t"]
-        factors = [first / largest, last / largest] if largest else [1.0, 1.0]
-        driver["ramp"] = [[begin - start, factors[0]], [end - start, factors[1]]]
-    for control in ramps[(1 if "ramp" in driver else 0) :]:
-        said = "Servo ramp of a force: not brought beside other controls of its body"
-        conf.note(control.place, f"{said}; its last value is written")
-    return driver
+def _free(body: int, values: dict[str, dict[str, float]]) -> dict[str, Any]:
+    """A body that follows forces along some axes."""
+    imposed = {key: values[key] for key in FREE if values[key]}
+    return {"bodies": [body_name(body)], "kind": "control", **imposed}
 
 
 def _ramp(conf: Conf, control: Control) -> dict[str, Any]:
-    """A velocity that changes steadily from one time to another, as the path it leads along."""
+    """A value that changes steadily from one time to another.
+
+    That of a velocity is written as the path it leads along.
+    """
     assert control.ramp
     first, last, begin, end = control.ramp
     begin, end = (time - conf.numbers["t"] for time in (begin, end))
+    driver: dict[str, Any] = {"bodies": [body_name(control.body)]}
+    if control.quantity in FREE:
+        axes = {control.axes: 1.0}
+        ramp = [[begin, first], [end, last]]
+        return driver | {"kind": "control", control.quantity: axes, "ramp": ramp}
     slope = (last - first) / (end - begin)
     axis = control.axes if control.quantity == "velocity" else f"r{control.axes}"
-    since = f"(min(max(t, {begin!r}), {end!r}) - ({begin!r}))"
-    at_zero = min(max(0.0, begin), end) - begin
     path = (
-        f"({first!r})*t + 0.5*({slope!r})*({since}**2 - ({at_zero * at_zero!r}))"
-        f" + ({last - first!r})*(max(t, {end!r}) - max(0.0, {end!r}))"
+        f"({first!r})*t + ({0.5 * slope!r})*(min(max(t, {begin!r}), {end!r}) - ({begin!r}))**2"
+        f" + ({last - first!r})*max(t, {end!r})"
     )
-    return {"bodies": [body_name(control.body)], "kind": "expression", axis: path}
+    return driver | {"kind": "expression", axis: path}
 
 
 def _servo(conf: Conf, servo: Servo) -> tuple[list[dict[str, Any]], list[Control]]:
     """Drivers of a servo, and the steady controls it amounts to."""
     if len(servo.bodies) == 1:
         return [_shaker(conf, servo)], []
-    if servo.name == "tritriLodeAngle":
-        said = "Servo tritriLodeAngle: the walls keep the first pressure"
-        conf.note(servo.place, f"{said}; stresses that change with time are not brought")
-    sides = _wall_orders(servo)
-    made = [_pressure(servo, wall, value) for wall, (free, value) in enumerate(sides) if free]
+    orders = _wall_orders(servo)
+    made = [_pressure(servo, wall, value) for wall, (free, value) in enumerate(orders) if free]
     imposed = [
         Control("velocity", AXES[wall // 2], servo.bodies[wall], (value,), servo.place)
-        for wall, (free, value) in enumerate(sides)
+        for wall, (free, value) in enumerate(orders)
         if not free and value
     ]
+    if servo.name == "tritriLodeAngle":
+        _load(conf, servo, made)
     return made, imposed
+
+
+def _load(conf: Conf, servo: Servo, presses: list[dict[str, Any]]) -> None:
+    """Deviatoric stresses that grow with time, along a path of constant Lode angle."""
+    pressure, angle, rate = servo.values
+    second = (3.0 * tan(radians(angle)) - sqrt(3.0)) / (2.0 * sqrt(3.0))
+    until = conf.numbers["tmax"]
+    for press, part in zip(presses, (1.0, second, -1.0 - second), strict=True):
+        growth = rate * part
+        press["pressure"] = 1.0
+        ramp = [[time - conf.numbers["t"], pressure + growth * time] for time in (0.0, until)]
+        press["ramp"] = ramp
 
 
 def _wall_orders(servo: Servo) -> list[tuple[bool, float]]:
@@ -155,13 +172,15 @@ def _pressure(servo: Servo, wall: int, pressure: float) -> dict[str, Any]:
     axis = wall // 2
     names = [body_name(body) for body in servo.bodies]
     between = [names[2 * other : 2 * other + 2] for other in range(3) if other != axis]
+    inwards = -1 if wall % 2 else 1
     return {
         "bodies": [names[wall]],
         "kind": "pressure",
-        "pressure": pressure,
+        "pressure": abs(pressure) or 1.0,
         "between": between,
         "axis": AXES[axis],
-        "sign": -1 if wall % 2 else 1,
+        "sign": inwards if pressure >= 0.0 else -inwards,
+        **({} if pressure else {"ramp": [[0.0, 0.0]]}),
     }
 
 
