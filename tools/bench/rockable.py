@@ -128,9 +128,11 @@ def repeat(case: Case) -> bool:
 
 
 def first_rupture(simulation: Simulation) -> int:
-    """The step in which the first bond breaks; the run goes on to the end."""
+    """The step in which the first interface breaks; the run goes on to the end."""
     simulation.advance(simulation.scene.run.duration)
-    return min(event.step for event in simulation.breaks)
+    breakage = simulation.snapshot().breakage
+    assert breakage is not None
+    return int(breakage.step[~breakage.intact].min())
 
 
 def refine(case: Case) -> bool:
