@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from warpdem.converting.driving import AXES
+
 if TYPE_CHECKING:
     from warpdem.converting.conf import Conf
     from warpdem.converting.driving import Driving, Loading
@@ -37,8 +39,8 @@ def _note_lacking(conf: Conf) -> None:
         "h": "h: a cell is upright here; its entries off the diagonal are left out",
         "vh": "vh: the cell's velocity at the start is left out; see strain_rate",
         "ah": "ah: the cell's acceleration at the start is left out",
-        "mh": "mh: the cell's mass is left out",
-        "dh": "dh: the cell's damping is left out",
+        "mh": "mh: the cell's mass is left out; see cell.inertia",
+        "dh": "dh: the cell's damping is left out; see cell.damping",
     }
     for key, values in conf.cell.items():
         counted = [v for k, v in enumerate(values) if key != "h" or k not in DIAGONAL]
@@ -47,13 +49,15 @@ def _note_lacking(conf: Conf) -> None:
 
 
 def _loaded(loading: Loading) -> dict[str, Any]:
-    """Stress along the axes, compression positive, and the gradient of velocity."""
+    """Stresses held, compression positive, and the gradient of velocity."""
     rate = [[0.0] * 3 for _ in range(3)]
-    stress: list[Any] = [loading.pressure] * 3
+    stress = {f"{axis}{axis}": loading.pressure for axis in AXES}
     if loading.name == "TriaxialCompression":
-        axis = "XYZ".index(loading.direction)
+        axis = AXES.index(loading.direction.lower())
         rate[axis][axis] = loading.rate
+        del stress[AXES[axis] * 2]
     elif loading.name == "SimpleShearDeformable":
-        row, column = ("XYZ".index(letter) for letter in loading.direction)
+        row, column = (AXES.index(letter) for letter in loading.direction.lower())
         rate[row][column] = loading.rate
-    return {"stress": stress, "strain_rate": rate}
+    sheared = {"strain_rate": rate} if loading.direction else {}
+    return {"stress": stress, **sheared}
