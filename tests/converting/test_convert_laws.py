@@ -143,6 +143,12 @@ def test_bonds_of_vertices_within_clusters(tmp_path):
     assert bonds(tmp_path, "stickVerticesInClustersMoments 1e-4") == [INNER]
 
 
+def test_strength_against_moments_needs_a_stiffness(tmp_path):
+    (bond,) = bonds(tmp_path, "krInnerBond 0 0 0", "stickVerticesInClusters 1e-4")
+
+    assert "m0" not in bond
+
+
 def test_walls_are_glued_by_the_commands_that_can(tmp_path):
     glue = "glue_with_walls yes"
 

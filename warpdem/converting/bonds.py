@@ -131,9 +131,11 @@ def _strengths(conf: Conf, command: Command, pair: Groups) -> dict[str, float]:
     missing = []
     for key, name in [*STRENGTHS.items(), ("pow", "power")]:
         value = conf.pair(f"{key}{side}Bond", *pair)
+        if key == "mom0" and not conf.pair(f"kr{side}Bond", *pair):
+            continue  # without stiffness there is no moment
         if value is not None and value > 0.0:
             found[name] = value
-        elif key != "mom0" or conf.pair(f"kr{side}Bond", *pair):
+        else:
             missing.append(f"{key}{side}Bond {pair[0]} {pair[1]}")
     if missing:
         rule = f"{command.name} needs positive {', '.join(missing)}; without, bonds break at once"
@@ -165,7 +167,7 @@ def _spread(conf: Conf, made: list[dict[str, Any]], command: Command) -> None:
         drawn = "its mean for all interfaces"
     conf.note(command.place, f"setVariableStickParams {name} {side}: {drawn}")
     for bond in made:
-        if bond["between"] == side:
+        if bond["between"] == side and (key != "m0" or bond["kr"]):
             bond[key] = mean
             if name in STRENGTHS:
                 bond["weibull"] = {"modulus": modulus}
