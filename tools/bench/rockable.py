@@ -82,6 +82,7 @@ UNREFINED = dict.fromkeys(
     "its dashpots add up to a stiffness that grows as dt falls (its README, fact 7)",
 )
 """Cases whose reference has no limit as dt falls."""
+BROKEN = "up to its first rupture: contacts that were bonds keep the bonds' dashpots in the program"
 
 
 def compare(simulation: Simulation, rows: FloatArray) -> tuple[float, float]:
@@ -150,14 +151,16 @@ def refine(case: Case) -> bool:
     """Run a case with the default numerics at a finer dt and print its distance; as ``repeat``."""
     simulation = Simulation(refined(case, REFINED), device="cpu", threads=1)
     begin = time.perf_counter()
-    distance, angle = compare(simulation, case.trajectory(case.finest))
+    until = RUPTURES.get(case.name, inf)
+    rows = case.trajectory(case.finest)
+    distance, angle = compare(simulation, rows[rows[:, 0] < until])
     spent = time.perf_counter() - begin
     own = case.definition["self_diff_vs_refined_dt"][str(case.finest)]
     near, turned = (max(2.0 * own[key], EQUAL.distance) for key in ("pos", "ang"))
     passes = distance <= near and angle <= turned
     print(
         f"{case.name:28s} {distance:9.1e} {own['pos']:9.1e} {angle:9.1e} {own['ang']:9.1e}  "
-        f"{verdict(passes)} {spent:8.2f}",
+        f"{verdict(passes)} {spent:8.2f}" + (f"  {BROKEN}" if until < inf else ""),
         flush=True,
     )
     return passes

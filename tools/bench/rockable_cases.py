@@ -101,6 +101,8 @@ def _read_back(folder: Path, run: Mapping[str, Any], *, accurate: bool = False) 
 def defined(case: Case) -> Scene:
     """The scene of a Default case at equal dt, from its definition rather than its input file."""
     has = case.definition
+    forces = list(_forces(has.get("extra") or {}))
+    drivers = [_driver(line) for line in has.get("driving") or ()]
     driven = has["nDriven"]
     run = {"dt": has["dt"], "compat": "rockable", "list_distance": has["dVerlet"]}
     return Scene.model_validate(
@@ -113,6 +115,8 @@ def defined(case: Case) -> Scene:
                 for number, body in enumerate(has["bodies"])
             ],
             "contact": list(_contacts(has["params"])),
+            **({"force": forces} if forces else {}),
+            **({"driver": drivers} if drivers else {}),
             "output": {"energy": False},
         }
     )
@@ -156,9 +160,34 @@ def _contacts(parameters: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
         yield {"groups": [f"g{a}", f"g{b}"], **law, "en2": min(law["en2"], 1.0)}
 
 
+def _forces(extra: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    if coefficient := float(extra.get("numericalDampingCoeff", 0.0)):
+        yield {"kind": "numerical_damping", "coefficient": coefficient}
+
+
+def _driver(line: str) -> dict[str, Any]:
+    """A driver of a line of Rockable's drivingSystem.txt."""
+    word, kind, *numbers = line.split()
+    if word == "Control":
+        axis = kind.strip("_")[0]
+        assert kind == f"_{axis}_For_", line
+        body, force = numbers
+        return {"kind": "control", "bodies": [f"body[{body}]"], "force": {axis: float(force)}}
+    assert kind == "shaker", line
+    body, x, y, z, amplitude, frequency = numbers
+    direction = np.array([x, y, z], float)
+    return {
+        "kind": "sine",
+        "bodies": [f"body[{body}]"],
+        "translation": float(amplitude) * direction / np.linalg.norm(direction),
+        "frequency": float(frequency),
+    }
+
+
 def excerpt(case: Case, folder: Path) -> None:
     """Write a case's definition and some rows of its trajectory as one small file."""
     keys = ("law", "shapes", "bodies", "params", "tmax", "dt", "nDriven", "gravity", "density")
+    keys += tuple(key for key in ("driving", "extra") if case.definition.get(key))
     rows = case.trajectory()
     instants = np.unique(rows[:, 0])
     chosen = instants[np.linspace(0, len(instants) - 1, EXCERPT_ROWS + 1).astype(int)[1:]]
