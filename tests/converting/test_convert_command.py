@@ -76,6 +76,14 @@ def test_problems_leave_nothing_behind(tmp_path, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["input.txt", "shapes.shp"]
 
 
+def test_scene_that_breaks_its_own_rules_is_not_written(tmp_path, capsys):
+    source = write(tmp_path, conf("muContact 0 0 -1"))
+
+    assert main(["convert", str(source), "-o", str(tmp_path / "two.toml")]) == 2
+    assert "contact[0].mu = -1.0" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["input.txt", "shapes.shp"]
+
+
 def test_folder_that_is_not_there(tmp_path, source, capsys):
     assert main(["convert", str(source), "-o", str(tmp_path / "no" / "two.toml")]) == 74
     assert "no such file or directory" in capsys.readouterr().err

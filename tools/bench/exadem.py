@@ -3,10 +3,10 @@
     python tools/bench/exadem.py [CASE ...] [--folder DIR]
 
 First at equal dt with compat = "exadem": every position of every row within 1e-9 of the size of
-the motion. A pile of tumbling bodies is chaotic: its rows until SMOOTH are compared so, and from
-then on its kinetic energy, by the means over the rest of the run. Then the default numerics at the
-same dt, with exaDEM's law, against compat = "exadem" at dt/8, within twice what that changes
-between dt and dt/8. Exit status 1 if a case fails.
+the motion. CHAOTIC says what of a pile is compared so, and why not all; its kinetic energy is
+compared by its mean. Then the default numerics at dt/4, with exaDEM's law, against
+compat = "exadem" at dt/8, within twice what that changes between dt and dt/8. Exit status 1 if a
+case fails.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,12 +33,38 @@ if TYPE_CHECKING:
 
 GATE = 1e-9
 """Largest distance at equal dt, over the largest coordinate of the run."""
-SMOOTH = {"R6_cube_octa_pile8": 0.04}
-"""When a chaotic run leaves the reference [s]: it starts with 16 contacts in deep overlap."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """What of a chaotic run is compared by rows.
+
+    Attributes:
+        bodies: The bodies.
+        until: The last instant [s].
+        settled: From when on the kinetic energy is compared [s].
+        reason: Why not all of it.
+    """
+
+    bodies: tuple[int, ...]
+    until: float
+    settled: float
+    reason: str
+
+
+CHAOTIC = {
+    "R6_cube_octa_pile8": Part(
+        (1, 3, 5, 7),
+        0.4,
+        0.04,
+        "the octahedra, until they meet the cubes: of those two start with their cores overlapping "
+        "by .2, where exaDEM's two-sided faces push a vertex out behind them",
+    )
+}
 ENERGIES = 0.2
 """Largest difference of the mean kinetic energies of a chaotic run, over the reference's."""
-REFINED = 8
-"""How much smaller the step of the run is that the default numerics are held against."""
+REFINED, ACCURATE = 8, 4
+"""How much smaller the steps are, of the run held against and of the default numerics."""
 
 
 def instants(rows: FloatArray, dt: float) -> list[tuple[float, FloatArray]]:
@@ -78,17 +105,17 @@ def trajectory(simulation: Simulation, rows: FloatArray, dt: float) -> FloatArra
 def repeat(deck: Deck) -> bool:
     """Run a deck at equal dt, print how far it gets from the reference; whether it passes."""
     rows = deck.rows()
-    until = SMOOTH.get(deck.name, np.inf)
-    simulation = Simulation(equal(deck), device="cpu", threads=1)
+    part = CHAOTIC.get(deck.name)
     begin = time.perf_counter()
-    distance, angle = compare(simulation, rows[rows[:, 0] * deck.dt <= until], deck.dt)
+    simulation = Simulation(equal(deck), device="cpu", threads=1)
+    distance, angle = compare(simulation, chosen(rows, part, deck.dt), deck.dt)
     passes = distance <= GATE and angle <= 10.0 * GATE
     note = ""
-    if deck.name in SMOOTH:
-        late = rows[rows[:, 0] * deck.dt > until]
-        mine, theirs = mean_kinetic(simulation, late, deck.dt)
+    if part:
+        mine, theirs = mean_kinetic(deck, rows[rows[:, 0] * deck.dt >= part.settled])
         passes = passes and abs(mine - theirs) <= ENERGIES * theirs
-        note = f"  up to {until:g} s; then mean kinetic energy {mine:.4g} J, there {theirs:.4g}"
+        note = f"  up to {part.until:g} s, {part.reason}"
+        note += f"; mean kinetic energy from {part.settled:g} s on {mine:.4g} J, there {theirs:.4g}"
     spent = time.perf_counter() - begin
     print(
         f"{deck.name:24s} {distance:9.1e} {angle:9.1e}  {verdict(passes)} "
@@ -98,13 +125,21 @@ def repeat(deck: Deck) -> bool:
     return passes
 
 
-def mean_kinetic(simulation: Simulation, rows: FloatArray, dt: float) -> tuple[float, float]:
+def chosen(rows: FloatArray, part: Part | None, dt: float) -> FloatArray:
+    """The rows that are compared one by one."""
+    if part is None:
+        return rows
+    return rows[(rows[:, 0] * dt <= part.until) & np.isin(rows[:, 1], part.bodies)]
+
+
+def mean_kinetic(deck: Deck, rows: FloatArray) -> tuple[float, float]:
     """Means over the rows' instants of the kinetic energy, here and there [J]."""
+    simulation = Simulation(equal(deck), device="cpu", threads=1)
     mine = []
-    for instant, _ in instants(rows, dt):
+    for instant, _ in instants(rows, deck.dt):
         simulation.advance(instant)
         mine.append(kinetic(simulation))
-    return float(np.mean(mine)), float(np.mean([at[0, 9] for _, at in instants(rows, dt)]))
+    return float(np.mean(mine)), float(np.mean([at[0, 9] for _, at in instants(rows, deck.dt)]))
 
 
 def kinetic(simulation: Simulation) -> float:
@@ -122,7 +157,7 @@ def refine(deck: Deck) -> bool:
     begin = time.perf_counter()
     fine = trajectory(Simulation(equal(deck, REFINED), device="cpu", threads=1), rows, deck.dt)
     own, own_angle = compare(Simulation(equal(deck), device="cpu", threads=1), fine, deck.dt)
-    ours = Simulation(accurate(deck), device="cpu", threads=1)
+    ours = Simulation(accurate(deck, ACCURATE), device="cpu", threads=1)
     distance, angle = compare(ours, fine, deck.dt)
     spent = time.perf_counter() - begin
     passes = distance <= max(2.0 * own, GATE) and angle <= max(2.0 * own_angle, 10.0 * GATE)
@@ -143,9 +178,10 @@ def main() -> int:
     print(f"at equal dt; gate {GATE:g} of the motion; seconds of one thread")
     print(f"{'case':24s} {'|dx|':>9s} {'[rad]':>9s} {'steps':>13s} {'seconds':>8s}")
     passes = [repeat(deck) for deck in decks]
-    print(f"\ndefault numerics at dt against exaDEM's at dt/{REFINED}; gate: twice its own change")
+    against = f"default numerics at dt/{ACCURATE} against exaDEM's at dt/{REFINED}"
+    print(f"\n{against}; gate: twice its own change")
     print(f"{'case':24s} {'|dx|':>9s} {'own':>9s} {'[rad]':>9s} {'own':>9s} {'seconds':>14s}")
-    passes += [refine(deck) for deck in decks if deck.name not in SMOOTH]
+    passes += [refine(deck) for deck in decks if deck.name not in CHAOTIC]
     return 0 if all(passes) else 1
 
 

@@ -9,7 +9,8 @@ from warpdem.converting.driving import read_driving
 from warpdem.converting.keywords import read_conf
 from warpdem.converting.toml import toml
 from warpdem.converting.translate import tables
-from warpdem.errors import OutputError, SceneError, WarpdemError
+from warpdem.errors import OutputError, Problem, SceneError, WarpdemError
+from warpdem.input import decode
 from warpdem.output.durable import replace
 
 if TYPE_CHECKING:
@@ -80,14 +81,29 @@ def convert(source: Path, target: Path, *, accurate: bool = False, force: bool =
         raise WarpdemError(f"{target}: is the input")
     result = converted(source, target.parent, accurate=accurate)
     text = scene_text(result, source)
+
+    def write(part: Path) -> None:
+        part.write_text(text, encoding="utf-8")
+        _refuse_wrong(part, source)
+
     try:
-        replace(target, lambda part: part.write_text(text, encoding="utf-8"))
+        replace(target, write)
     except OSError as error:
         raise OutputError(f"{target}: {(error.strerror or str(error)).lower()}") from None
     lines = [f"{target}: written; see what it builds with: python -m warpdem check {target}"]
     if result.notes:
         lines += [f"not brought, or otherwise ({len(result.notes)}):", *_indented(result.notes)]
     return "\n".join(lines)
+
+
+def _refuse_wrong(scene: Path, source: Path) -> None:
+    """Have the scene's own rules look at it."""
+    try:
+        decode.load(scene)
+    except SceneError as error:
+        said = f"{source}, as a scene"
+        wrong = [Problem(said, problem.key, problem.message) for problem in error.problems]
+        raise SceneError(str(source), wrong) from None
 
 
 def scene_text(result: Converted, source: Path) -> str:
