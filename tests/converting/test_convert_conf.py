@@ -208,6 +208,8 @@ def test_all_problems_come_at_once_with_their_lines(tmp_path):
         (("shapeFile shapes.shp", "shapeFile other.shp"), "other.shp"),
         (("ball 0", "bal 0"), 'did you mean "ball"?'),
         (("dt 1e-4", "dt 0"), "dt should be positive"),
+        (("dt 1e-4", "dt 1e-308"), "dt should be positive"),
+        (("tmax 0.1", "tmax 1e308"), "too large to compute with"),
         (("tmax 0.1", "tmax 0"), "tmax should lie after"),
         (("1 0 0 0 0 0 0", "0 0 0 0 0 0 0"), "quaternion of length 0"),
         (("Rockable", "Rock"), "begins with the word Rockable"),

@@ -165,6 +165,8 @@ def test_lode_angle_is_a_ramp_of_pressures(tmp_path):
         ("Servo shacker 0 1 0 0 1 1", 'did you mean "shaker"?'),
         ("Servo shaker 0 0 0 0 1 1", "a direction and a frequency above 0"),
         ("Servo ramp _x_Vel_ 0 1 2 3 3", "before it begins"),
+        ("Servo tritriLodeAngle 0 0 0 0 0 0 1 70 1", "from 0 to 60 degrees"),
+        ("Control _x_Vel_ 0 1e31", "too large to compute with"),
         ("PeriodicLoading Squeeze 1", "there is no loading"),
         ("PeriodicLoading TriaxialCompression W 1 1", "there are: X, Y, Z"),
         ("Contrl _x_Vel_ 0 1", 'did you mean "Control"?'),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from warpdem.converting.words import Misread, words_of
+from warpdem.converting.words import SMALLEST, Misread, words_of
 from warpdem.input.suggestions import did_you_mean
 
 if TYPE_CHECKING:
@@ -175,6 +175,8 @@ def _servo(driving: Driving, words: Words, conf: Conf) -> None:
         walls = tuple(_body(words, conf) for _ in range(WALLS))
         count = SERVOS.get(name, 2 * WALLS)
         values = words.vector("a value", count)
+        if name == "tritriLodeAngle" and not 0.0 <= values[1] <= 60.0:
+            raise Misread(f"the Lode angle should lie from 0 to 60 degrees, not {values[1]!r}")
         driving.servos.append(Servo(name, walls, values, words.place))
     else:
         known = [*SERVOS, *SHAKERS, "tritriCustom", "ramp"]
@@ -187,7 +189,7 @@ def _ramp(words: Words, conf: Conf) -> Control:
     if len(axes) > 1:
         raise Misread("a ramp is for one axis")
     first, last, begin, end = words.vector("a value", 4)
-    if end <= begin:
+    if end - begin < SMALLEST:
         raise Misread(f"the ramp ends at {end!r} s, before it begins")
     return Control(quantity, axes, body, (last,), words.place, (first, last, begin, end))
 

@@ -79,6 +79,9 @@ COMMANDS = {
 }
 """Commands that glue, followed by a distance."""
 
+WIDEST = 0.5
+"""Least modulus of a Weibull distribution: beyond, no bond is as strong as another."""
+
 
 def read_conf(path: Path) -> Conf:
     """What a conf file says; what it says wrongly is in its ``problems``.
@@ -223,8 +226,7 @@ def _interactions(conf: Conf, words: Words) -> None:
 def _interfaces(conf: Conf, words: Words) -> None:
     place, count = words.place, words.count("the number of interfaces")
     for _ in range(count):
-        words.count("a body"), words.count("a body")
-        bonds = words.count("the number of bonds")
+        _, _, bonds = (words.count("a body or the number of bonds") for _ in range(3))
         words.real("dn0")
         if conf.numbers.get("ParamsInInterfaces") == 1:
             words.vector("a parameter", 8)
@@ -247,8 +249,8 @@ def _variable(conf: Conf, words: Words) -> None:
     side = _side(words)
     scale, modulus = words.real("lambda"), words.real("m")
     words.integer("0 or 1")
-    if scale <= 0.0 or modulus <= 0.0:
-        raise Misread(f"lambda and m should be positive, not {scale!r} and {modulus!r}")
+    if scale <= 0.0 or modulus < WIDEST:
+        raise Misread(f"lambda should be positive and m at least {WIDEST}: {scale!r}, {modulus!r}")
     conf.commands.append(
         Command("setVariableStickParams", (name, side, scale, modulus), words.place)
     )

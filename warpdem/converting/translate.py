@@ -10,6 +10,7 @@ from warpdem.converting.bonds import bonds
 from warpdem.converting.cell import cell
 from warpdem.converting.drivers import body_name, drivers
 from warpdem.converting.laws import contacts, group_name
+from warpdem.converting.words import SMALLEST
 from warpdem.errors import GeometryError
 from warpdem.geometry.shp import ShpItem, read_shp
 from warpdem.input.suggestions import did_you_mean
@@ -63,7 +64,7 @@ def _some(name: str, value: Any) -> dict[str, Any]:
 def _run(conf: Conf, *, accurate: bool) -> dict[str, Any]:
     dt, begin = conf.numbers["dt"], conf.numbers["t"]
     place = conf.places.get("tmax")
-    if dt <= 0.0:
+    if dt < SMALLEST:
         conf.fault(conf.places.get("dt"), f"dt should be positive, not {dt!r}")
         return {}
     if conf.numbers["tmax"] <= begin:

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 COMMENT = ("#", "!", "/")
 """What a keyword does not begin with: the rest of the line is a remark."""
 
+LARGEST, SMALLEST = 1e30, 1e-30
+"""Bounds of what scenes compute with."""
+
 
 class Misread(Exception):  # noqa: N818 - it ends the reading of a keyword, not the program
     """A word is not what should stand there."""
@@ -98,6 +101,8 @@ class Words:
             number = float("nan")
         if not isfinite(number):
             raise Misread(f"{wanted} should be a number, not {word!r}")
+        if abs(number) > LARGEST:
+            raise Misread(f"{wanted} = {word} is too large to compute with, beyond {LARGEST:g}")
         return number
 
     def integer(self, wanted: str) -> int:
