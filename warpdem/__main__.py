@@ -1,4 +1,4 @@
-"""The command line: ``python -m warpdem SCENE.toml``, ``check SCENE.toml`` and ``schema``."""
+"""The command line: ``python -m warpdem SCENE.toml``, ``check``, ``convert`` and ``schema``."""
 
 from __future__ import annotations
 
@@ -21,10 +21,12 @@ if TYPE_CHECKING:
 USAGE = """\
 python -m warpdem SCENE.toml [options]
        python -m warpdem check SCENE.toml [--set KEY=VALUE]...
+       python -m warpdem convert INPUT -o SCENE.toml [--accurate] [--force]
        python -m warpdem schema"""
 EPILOG = """\
 commands:
   check SCENE.toml      print what would be built, without building it
+  convert INPUT         make a scene of an input file of Rockable
   schema                print the JSON schema of scene files, for editors
 
 exit status: 0 done, 2 a mistake in the scene or the command, 3 the motion blew up,
@@ -41,7 +43,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit status.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
-    commands: dict[str, Callable[[list[str]], int]] = {"check": _check, "schema": _schema}
+    commands: dict[str, Callable[[list[str]], int]] = {
+        "check": _check,
+        "convert": _convert,
+        "schema": _schema,
+    }
     try:
         command = commands.get(given[0]) if given else None
         status = command(given[1:]) if command else _run(given)
@@ -90,6 +96,25 @@ def _check(arguments: list[str]) -> int:
     report = check.check(decode.load(options.scene, options.set))
     print(report)
     return WarpdemError.exit_code if report.problems else 0
+
+
+def _convert(arguments: list[str]) -> int:
+    from warpdem.converting.convert import convert  # noqa: PLC0415 - only where it is needed
+
+    parser = argparse.ArgumentParser(
+        "python -m warpdem convert",
+        description="Make a scene of an input file of Rockable (its conf file; shapes and "
+        "drivingSystem.txt are found beside it). What has no counterpart is listed.",
+    )
+    add = parser.add_argument
+    add("input", type=Path, metavar="INPUT", help="the conf file")
+    add("-o", "--out", type=Path, required=True, metavar="SCENE.toml", help="the scene to write")
+    add("--accurate", action="store_true", help='without compat = "rockable"')
+    add("--force", action="store_true", help="replace a scene that is there")
+    options = parser.parse_args(arguments)
+    told = convert(options.input, options.out, accurate=options.accurate, force=options.force)
+    print(told, file=sys.stderr)
+    return 0
 
 
 def _schema(arguments: list[str]) -> int:
@@ -151,8 +176,8 @@ def _refuse_unknown_command(arguments: list[str]) -> None:
     word = arguments[0] if arguments else ""
     if not re.fullmatch(r"\w[\w-]*", word) or Path(word).exists():
         return
-    near = difflib.get_close_matches(word, ["check", "schema"], n=1)
-    hint = f'did you mean "{near[0]}"?' if near else "give a scene file, check or schema"
+    near = difflib.get_close_matches(word, ["check", "convert", "schema"], n=1)
+    hint = f'did you mean "{near[0]}"?' if near else "give a scene file, check, convert or schema"
     raise WarpdemError(f"{word}: neither a command nor a file; {hint}")
 
 
