@@ -10,10 +10,11 @@ from warpdem.kernels.bounds import (
     vertex_near_edge,
     vertex_near_face,
 )
+from warpdem.kernels.cell import real_vector
 from warpdem.kernels.codes import EE, EV, FV, VE, VF, VV, encode
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.variant import inlined, variant
-from warpdem.kernels.views import Bodies, Geometry, Pairs
+from warpdem.kernels.views import Bodies, Cell, Geometry, Pairs
 
 
 @functools.cache
@@ -316,7 +317,7 @@ def sort(code: wp.array(dtype=wp.int64), first: int, last: int):
 
 
 @functools.cache
-def find_candidates(*, fill: bool, polyhedra: bool, trees: bool) -> wp.Kernel:
+def find_candidates(*, fill: bool, polyhedra: bool, trees: bool, periodic: bool) -> wp.Kernel:
     """Kernel that counts the candidates of each body pair, or writes them in ascending order."""
     vertices = vertices_against(fill=fill)
     edges = edges_against(fill=fill)
@@ -331,6 +332,7 @@ def find_candidates(*, fill: bool, polyhedra: bool, trees: bool) -> wp.Kernel:
         skin: real,
         bodies: Bodies,
         pairs: Pairs,
+        cell: Cell,
         # out
         code: wp.array(dtype=wp.int64),
         ends: wp.array(dtype=wp.int32),
@@ -344,6 +346,8 @@ def find_candidates(*, fill: bool, polyhedra: bool, trees: bool) -> wp.Kernel:
         n = int(first)
         if wp.static(polyhedra):
             d = bodies.position[i] - bodies.position[j]
+            if wp.static(periodic):
+                d -= cell.edges[0] * real_vector(pairs.image[pair])
             reach = geometry.radius[i] + geometry.radius[j] + skin
             whole = bool(True)
             if wp.static(trees):

@@ -7,6 +7,8 @@ follows from all of them. Pass 2 applies the laws, contact by contact, and write
 import functools
 
 import warp as wp
+from warpdem.kernels.cell import real_vector
+from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws, apply_laws
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.touching import find_touching, frequency
@@ -15,6 +17,7 @@ from warpdem.kernels.views import (
     Account,
     Bodies,
     Candidates,
+    Cell,
     Clock,
     Geometry,
     Inertia,
@@ -42,6 +45,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         span: wp.array(dtype=wp.int32),
         bodies: Bodies,
         clock: Clock,
+        cell: Cell,
         # in and out
         pairs: Pairs,
         candidates: Candidates,
@@ -58,6 +62,13 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         i = pairs.owner[pair]
         j = pairs.partner[pair]
         d = bodies.position[i] - bodies.position[j]
+        flow = Flow()
+        if wp.static(laws.periodic):
+            image = real_vector(pairs.image[pair])
+            d -= cell.edges[0] * image
+            if wp.static(laws.deforming):
+                flow.half = cell.rate[0] * image
+                flow.end = cell.rate_end[0] * image
         touching, freed, unrolled = find(geometry, bodies, candidates, i, j, d, start, end, margin)
         pairs.touching[pair] = touching
         law = materials[pairs.material[pair]]
@@ -84,7 +95,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
                     tau = real(2.0) * law.zeta / wp.sqrt(law.kn * inverse_mass)
                     beta = real(0.5) * dt * tau * omega * omega
             for slot in range(start, start + touching):
-                f, t, a = apply(inertia, bodies, candidates, law, i, j, d, slot, tau, beta, dt)
+                f, t, a = apply(inertia, bodies, candidates, law, flow, i, j, d, slot, tau, beta, dt)
                 force += f
                 torque += t
                 account += a

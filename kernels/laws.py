@@ -4,7 +4,7 @@ import functools
 from typing import NamedTuple
 
 import warp as wp
-from warpdem.kernels.kinematics import Kinematics, branch, kinematics
+from warpdem.kernels.kinematics import Flow, Kinematics, branch, kinematics
 from warpdem.kernels.normal import hooke, hooke_predicted, onset
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.tangential import SLID, coulomb, laid, radial_return, spun
@@ -29,6 +29,8 @@ class Laws(NamedTuple):
     rolling: bool
     branch_arm: bool  # rolling cap over the branch length
     cohesion: bool
+    periodic: bool  # pairs with images
+    deforming: bool  # images that move against one another
     account: bool  # energy bookkeeping
 
 
@@ -134,7 +136,7 @@ def rolling_law(laws: Laws) -> wp.Function:
 @functools.cache
 def apply_laws(laws: Laws) -> wp.Function:
     """Function of pass 2: the wrench of one touching contact, its history, its energy account."""
-    motion_at = kinematics(predicted=laws.predicted)
+    motion_at = kinematics(predicted=laws.predicted, deforming=laws.deforming)
     normal_force = normal_law(laws)
     tangential_force = tangential_law(laws)
     rolling_moment = rolling_law(laws)
@@ -145,6 +147,7 @@ def apply_laws(laws: Laws) -> wp.Function:
         bodies: Bodies,
         candidates: Candidates,
         law: Material,
+        flow: Flow,
         i: int,
         j: int,
         d: vec3,
@@ -158,7 +161,7 @@ def apply_laws(laws: Laws) -> wp.Function:
         point = candidates.point[slot]
         overlap = -candidates.gap[slot]
         past = candidates.past[c]
-        motion = motion_at(bodies, i, j, d, normal, point, dt)
+        motion = motion_at(bodies, flow, i, j, d, normal, point, dt)
         fn, phi = normal_force(motion, law.kn, overlap, tau, beta, past[3], dt)
         lasted = real(0.5) + phi
         if phi == real(1.0):

@@ -48,6 +48,9 @@ class Features:
     rolling: bool
     branch_arm: bool
     cohesion: bool
+    periodic: bool
+    deforming: bool
+    cell_sums: bool
     account: bool
 
 
@@ -62,7 +65,9 @@ def features_of(
     laws = list(table.values())
     moving = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
     how = scene.run.resolved()
-    contacts = bool(laws) and bool(free.any()) and len(placement.shape) > 1
+    crowd = len(placement.shape) > 1 or scene.cell is not None
+    contacts = bool(laws) and bool(free.any()) and crowd
+    deforming = scene.cell is not None and scene.cell.deforms
     friction = any(law.mu > 0 and law.kt > 0 for law in laws)
     return Features(
         contacts=contacts,
@@ -74,6 +79,9 @@ def features_of(
         large=bool(large_bodies(placement, shapes).any()),
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
         driven=bool(moving.any()),
+        periodic=scene.cell is not None,
+        deforming=deforming,
+        cell_sums=deforming and (scene.output.energy or bool(scene.cell.stress.components())),
         account=scene.output.energy,
         **_numerics(how, laws, friction=friction),
     )
@@ -119,6 +127,7 @@ def _is_spherical(shape: Polyhedron) -> bool:
 
 def stage_names(features: Features) -> tuple[str, ...]:
     """The stages of one step, in order."""
+    cell = (*(["stress"] if features.cell_sums else []), *(["cell"] if features.deforming else []))
     if not features.contacts:
-        return ("drift", "kick")
-    return ("drift", "rebuild if moved", "pair forces", "gather and kick")
+        return ("drift", *cell, "kick")
+    return ("drift", "rebuild if moved", "pair forces", *cell, "gather and kick")

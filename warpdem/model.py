@@ -32,6 +32,9 @@ class Model:
         skin: Distance within which feature pairs are listed, at first [m].
         skin_adapts: The scene leaves it to the run.
         keep_within: Gap up to which an open contact keeps its history (compat) [m].
+        periodic: Axes along which space repeats itself.
+        cell_size: Edges of the periodic cell at the start [m].
+        solid_volume: Of the free bodies [m^3].
         trees: The feature trees, kept alive here.
     """
 
@@ -49,6 +52,9 @@ class Model:
     skin: float
     skin_adapts: bool
     keep_within: float
+    periodic: tuple[bool, ...]
+    cell_size: tuple[float, ...]
+    solid_volume: float
     trees: tuple[wp.Bvh, ...]
 
     @property

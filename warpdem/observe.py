@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.build import rotate, rotate_back
+from warpdem.periodic import cell_state, flow, shifts
 from warpdem.snapshot import Contacts, Energy, Snapshot
 
 if TYPE_CHECKING:
@@ -43,6 +44,7 @@ def snapshot(
         torque=torque,
         contacts=touching(state, lists, rolling=model.features.rolling) if contacts else None,
         energy=energy,
+        cell=cell_state(model, state, lists, velocity),
     )
 
 
@@ -68,6 +70,11 @@ def _forces(model: Model, state: State, lists: Lists) -> tuple[FloatArray, Float
     force = state.bodies.force.numpy().copy()
     torque = state.bodies.torque.numpy().copy()
     fixed = ~model.free
+    if model.features.deforming:
+        # without what makes the homogeneous flow accelerate
+        x = state.bodies.position.numpy() - state.cell.centre.numpy()[0]
+        mass = np.where(fixed, 0.0, model.mass)
+        force -= mass[:, None] * (x @ state.cell.acceleration.numpy()[0].T)
     force[fixed] = 0.0
     torque[fixed] = 0.0
     pairs = lists.pairs
@@ -110,7 +117,9 @@ def touching(state: State, lists: Lists, *, rolling: bool) -> Contacts:
         bodies=np.column_stack([pairs.owner.numpy()[pair], partner]).astype(np.int32),
         kind=(code >> 58).astype(np.int32),
         features=np.column_stack([(code >> 29) & mask, code & mask]).astype(np.int32),
-        point=candidates.point.numpy()[place] + state.bodies.position.numpy()[partner],
+        point=candidates.point.numpy()[place]
+        + state.bodies.position.numpy()[partner]
+        + shifts(state, lists, pair),
         normal=normal,
         gap=candidates.gap.numpy()[place],
         normal_force=past[:, 3],
@@ -127,6 +136,7 @@ def total_energy(model: Model, state: State, lists: Lists) -> float:
 def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, float]:
     free = model.free
     velocity, spin = velocities(model, state)
+    velocity = velocity - flow(model, state)
     body_spin = rotate_back(_orientation(state), spin)[free]
     mass = model.mass[free]
     kinetic = 0.5 * np.sum(mass[:, None] * velocity[free] ** 2)
@@ -142,6 +152,8 @@ def _energy(model: Model, state: State, lists: Lists, start: float) -> Energy:
     kinetic, potential, elastic = _stored(model, state, lists)
     lost = lists.spent + lists.since()
     work = float(state.account.work.numpy().sum())
+    if model.features.deforming:
+        work += float(state.cell.work.numpy()[0])
     place, _ = slots(lists)
     gap = lists.candidates.gap.numpy()[place]
     return Energy(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from warpdem.kernels.cell import drift_cell, kick_cell, sum_stress
 from warpdem.kernels.forces import pair_forces
 from warpdem.kernels.integrate import drift as drift_kernel
 from warpdem.kernels.integrate import halt as halt_kernel
@@ -42,7 +43,7 @@ class Stage:
 
     name: str
     kernel: wp.Kernel
-    over: Literal["bodies", "pairs", "one"]
+    over: Literal["bodies", "pairs", "chunks", "one"]
     arguments: tuple[Any, ...]
 
 
@@ -50,13 +51,18 @@ def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
     """First half kick and drift."""
     has = model.features
     kernel = drift_kernel(
-        _rotate(has), predicted=has.predicted, driven=has.driven, contacts=has.contacts
+        _rotate(has),
+        predicted=has.predicted,
+        driven=has.driven,
+        contacts=has.contacts,
+        deforming=has.deforming,
     )
     arguments = (
         model.geometry,
         model.inertia,
         dt,
         share.bodies,
+        state.cell,
         state.bodies,
         share.clock,
     )
@@ -79,6 +85,7 @@ def forces(model: Model, state: State, lists: Lists, share: Share, dt: float) ->
         share.pairs,
         state.bodies,
         share.clock,
+        state.cell,
         lists.pairs,
         lists.candidates,
         state.account,
@@ -93,7 +100,7 @@ def kick(
     has = model.features
     torque = taylor_torque if has.taylor else free_torque
     account = has.account and has.driven
-    kernel = kick_kernel(torque, contacts=contacts, account=account)
+    kernel = kick_kernel(torque, contacts=contacts, account=account, deforming=has.deforming)
     arguments = (
         model.inertia,
         vec3(*model.gravity),
@@ -102,10 +109,50 @@ def kick(
         lists.pairs,
         lists.incidence,
         share.clock,
+        state.cell,
         state.bodies,
         state.account,
     )
     return Stage("gather and kick", kernel, "bodies", arguments)
+
+
+def cell_drift(model: Model, state: State, share: Share, dt: float) -> tuple[Stage, ...]:
+    """Begin a step of the cell, where it deforms."""
+    if not model.features.deforming:
+        return ()
+    return (Stage("cell drift", drift_cell, "one", (dt, share.clock, state.cell)),)
+
+
+def cell(
+    model: Model, state: State, lists: Lists, share: Share, dt: float, *, onward: bool
+) -> tuple[Stage, ...]:
+    """End a step of the cell, where it deforms, and begin the next one.
+
+    The first host thread does it for all: they meet when the stresses are summed, and again when
+    the cell has its new motion.
+    """
+    has = model.features
+    if not has.deforming:
+        return ()
+    waits = (meet(share),) if share.members > 1 else ()
+    stages: list[Stage] = []
+    if has.cell_sums:
+        arguments = (
+            model.inertia,
+            model.body_count,
+            share.chunks,
+            state.bodies,
+            lists.pairs,
+            lists.incidence,
+            share.clock,
+            state.cell,
+        )
+        kernel = sum_stress(predicted=has.predicted)
+        stages = [Stage("stress", kernel, "chunks", arguments), *waits]
+    if share.member == 0:
+        kernel = kick_cell(sums=has.cell_sums, onward=onward)
+        stages.append(Stage("cell", kernel, "one", (dt, share.clock, state.cell)))
+    return (*stages, *waits)
 
 
 def meet(share: Share) -> Stage:
@@ -126,15 +173,16 @@ def _rotate(has: Features) -> wp.Function:
 
 
 def after_drift(
-    model: Model, state: State, lists: Lists, share: Share, dt: float
+    model: Model, state: State, lists: Lists, share: Share, dt: float, *, onward: bool = False
 ) -> tuple[Stage, ...]:
-    """The stages of a step that follow its drift."""
+    """The stages of a step that follow its drift; ``onward`` the cell drifts into the next one."""
     contacts = model.features.contacts
     kicked = kick(model, state, lists, share, dt, contacts=contacts)
+    deformed = cell(model, state, lists, share, dt, onward=onward)
     if not contacts:
-        return (kicked,)
+        return (*deformed, kicked)
     waits = (meet(share),) if share.members > 1 else ()
-    return (forces(model, state, lists, share, dt), *waits, kicked)
+    return (forces(model, state, lists, share, dt), *waits, *deformed, kicked)
 
 
 def cycle(model: Model, state: State, lists: Lists, share: Share, dt: float) -> tuple[Stage, ...]:
@@ -144,7 +192,7 @@ def cycle(model: Model, state: State, lists: Lists, share: Share, dt: float) -> 
     """
     waits = (meet(share),) if share.members > 1 else ()
     return (
-        *after_drift(model, state, lists, share, dt),
+        *after_drift(model, state, lists, share, dt, onward=True),
         drift(model, state, share, dt),
         *waits,
         halt(share),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -90,7 +90,17 @@ def place(scene: Scene, shapes: Mapping[str, Polyhedron]) -> Placement:
                 problems.append(problem_at(scene, ("fill", index, "count"), rule, fill.count))
     if problems:
         raise SceneError(str(scene.source or "scene"), problems)
-    return _joined(parts, groups, notes)
+    return _flowing(scene, _joined(parts, groups, notes))
+
+
+def _flowing(scene: Scene, placement: Placement) -> Placement:
+    """The bodies with the homogeneous flow of a cell that deforms from the start."""
+    cell = scene.cell
+    if cell is None or cell.start > 0.0:
+        return placement
+    flow = (placement.position - np.array(cell.centre)) @ np.array(cell.strain_rate).T
+    moving = ~placement.fixed[:, None]
+    return replace(placement, velocity=placement.velocity + np.where(moving, flow, 0.0))
 
 
 def _massless(scene: Scene, shapes: Mapping[str, Polyhedron]) -> list[Problem]:
