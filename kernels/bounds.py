@@ -41,9 +41,7 @@ def boxes_near(
 
 
 @inlined()
-def bodies_near(
-    geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, skin: real
-) -> bool:
+def bodies_near(geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, skin: real) -> bool:
     """Whether two bodies could touch within the skin: bounding spheres, then core boxes.
 
     ``d`` is the centre of i about that of j, or of its image.

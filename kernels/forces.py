@@ -95,7 +95,9 @@ def pair_forces(laws: Laws) -> wp.Kernel:
                     tau = real(2.0) * law.zeta / wp.sqrt(law.kn * inverse_mass)
                     beta = real(0.5) * dt * tau * omega * omega
             for slot in range(start, start + touching):
-                f, t, a = apply(inertia, bodies, candidates, law, flow, i, j, d, slot, tau, beta, dt)
+                f, t, a = apply(
+                    inertia, bodies, candidates, law, flow, i, j, d, slot, tau, beta, dt
+                )
                 force += f
                 torque += t
                 account += a

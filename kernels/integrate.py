@@ -48,9 +48,7 @@ def watch(geometry: Geometry, bodies: Bodies, clock: Clock, body: int, dt: real)
 
 
 @inlined()
-def watch_flow(
-    geometry: Geometry, bodies: Bodies, cell: Cell, clock: Clock, body: int, dt: real
-):
+def watch_flow(geometry: Geometry, bodies: Bodies, cell: Cell, clock: Clock, body: int, dt: real):
     """``watch`` in a cell that deforms: motion against the cell's since the lists were made.
 
     With F = H H_listed^-1 and u = x - F x_listed, d = u_i - u_j + F d_listed for every image.
@@ -182,9 +180,7 @@ def gather(pairs: Pairs, incidence: Incidence, body: int):
 
 
 @functools.cache
-def kick(
-    torque_of: wp.Function, *, contacts: bool, account: bool, deforming: bool
-) -> wp.Kernel:
+def kick(torque_of: wp.Function, *, contacts: bool, account: bool, deforming: bool) -> wp.Kernel:
     """Kernel of the gathering of forces and the second half kick."""
 
     @variant

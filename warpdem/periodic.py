@@ -99,9 +99,7 @@ def shifts(state: State, lists: Lists, pair: Any) -> FloatArray:
     return lists.pairs.image.numpy()[pair] @ state.cell.edges.numpy()[0].T
 
 
-def cell_state(
-    model: Model, state: State, lists: Lists, velocity: FloatArray
-) -> CellState | None:
+def cell_state(model: Model, state: State, lists: Lists, velocity: FloatArray) -> CellState | None:
     """The cell now: its shape, how it deforms, and the mean stress in it."""
     if not model.features.periodic:
         return None

@@ -32,9 +32,7 @@ class State:
     cell: Cell
 
 
-def allocate(
-    device: Any, body_count: int, arm_count: int, cell: Cell, *, account: bool
-) -> State:
+def allocate(device: Any, body_count: int, arm_count: int, cell: Cell, *, account: bool) -> State:
     """A state of zeros."""
 
     def zeros(dtype: Any, count: int = body_count) -> wp.array:

@@ -101,9 +101,7 @@ def spanning_axes(
     return spanning
 
 
-def body_box(
-    shape: Polyhedron, placement: Placement, body: int
-) -> tuple[FloatArray, FloatArray]:
+def body_box(shape: Polyhedron, placement: Placement, body: int) -> tuple[FloatArray, FloatArray]:
     """Upright box around a body, rounding included [m]."""
     turn = np.repeat(placement.orientation[body][None], len(shape.vertices), axis=0)
     corners = turned(turn, shape.vertices) * placement.scale[body] + placement.position[body]

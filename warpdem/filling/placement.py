@@ -10,6 +10,7 @@ import numpy as np
 from warpdem.errors import SceneError
 from warpdem.filling.clearance import Elements, Obstacle
 from warpdem.filling.filling import Filled, filled
+from warpdem.filling.repeat import Repeat
 from warpdem.filling.scatter import Balls
 from warpdem.filling.sizes import largest
 from warpdem.geometry.orientation import product, turned
@@ -76,10 +77,11 @@ def place(scene: Scene, shapes: Mapping[str, Polyhedron]) -> Placement:
     given = _given(scene, shapes, groups)
     elements: dict[str, Elements] = {}
     parts, fills, notes = [given], [], []
+    repeat = Repeat(scene.cell)
     for index, fill in enumerate(scene.fill):
         seed = scene.run.seed + index if fill.seed is None else fill.seed
-        blocked = _Blocked(given, fills, shapes, elements, _reach(fill, shapes))
-        made = filled(fill, shapes, np.random.default_rng(seed), blocked)
+        blocked = _Blocked(given, fills, shapes, elements, _reach(fill, shapes), repeat)
+        made = filled(fill, shapes, np.random.default_rng(seed), blocked, repeat)
         fills.append(made)
         parts.append(_generated(scene, index, made, groups))
         if len(made.shape) < made.wanted:
@@ -212,13 +214,14 @@ class _Blocked:
         shapes: Mapping[str, Polyhedron],
         elements: dict[str, Elements],
         reach: float,
+        repeat: Repeat,
     ) -> None:
         names = list(shapes)
         bound = np.array([shape.bound for shape in shapes.values()])[given.shape] * given.scale
         small = bound <= reach
         self._reach = reach
         self._balls = Balls()
-        self._balls.add(given.position[small], bound[small])
+        self._balls.add(repeat.wrapped(given.position[small]), bound[small])
         for made in fills:
             self._balls.add(made.position, made.radius)
         self._obstacles = []

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from warpdem.input.scene_reading import Fault, entries, given, number, numbers, read, tables
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 AXES = "xyz"
 STILL = "a cell that does not deform (no strain_rate, no stress) has no use for it"

@@ -62,9 +62,11 @@ class Cell(Section):
     origin: Vector = (0.0, 0.0, 0.0)
     """Its lowest corner at the start [m]; the centre stays where it is."""
 
-    periodic: Annotated[
-        tuple[bool, ...], Field(min_length=3, max_length=3, strict=False)
-    ] = (True, True, True)
+    periodic: Annotated[tuple[bool, ...], Field(min_length=3, max_length=3, strict=False)] = (
+        True,
+        True,
+        True,
+    )
     """Along which axes it repeats itself; along the others space is open."""
 
     strain_rate: Tensor = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -96,4 +98,4 @@ class Cell(Section):
     @property
     def centre(self) -> tuple[float, ...]:
         """The point about which it deforms [m]."""
-        return tuple(o + 0.5 * l for o, l in zip(self.origin, self.size, strict=True))
+        return tuple(low + 0.5 * edge for low, edge in zip(self.origin, self.size, strict=True))
