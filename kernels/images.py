@@ -4,6 +4,8 @@ Bodies keep their own positions, which may lie anywhere; only the search looks a
 the cell, where body i has x_i - H h_i. Relative to those the image is m, and n = m + h_i - h_j. An
 image is looked at when it may come within reach of the cell, so a cell may be narrower than its
 bodies: a pair may meet in several images, and a body its own (half of them, m before -m).
+Since positions are never wrapped, n belongs to a pair for good: whoever keeps pairs longer than a
+list, bonds for instance, keeps n with them.
 """
 
 import functools
@@ -162,7 +164,7 @@ def find_images(*, fill: bool, large: bool) -> wp.Kernel:
                     if geometry.large[i] == 0:
                         for j in wp.hash_grid_query(grid, x, grown + grid_bound):
                             n = m + home[i] - home[j]
-                            if geometry.large[j] == 0:
+                            if geometry.large[j] == 0 and passes(m, cell.spanning[j]):
                                 if meets(geometry, inertia, bodies, cell, i, j, m, n, skin):
                                     if wp.static(fill):
                                         insert_image(partner, image, first, first + count, j, n)

@@ -93,6 +93,10 @@ class CellState:
         """Of contacts and motion together [Pa], shape [3, 3]."""
         return self.contact_stress + self.kinetic_stress
 
+    def velocity_seen(self, points: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Velocity of the images that ``wrapped`` shows [m/s], shape [n, 3]."""
+        return velocity + (self.wrapped(points) - points) @ self.velocity_gradient.T
+
     def wrapped(self, points: FloatArray) -> FloatArray:
         """The same points as seen in the cell [m], shape [n, 3]."""
         s = (points - self.centre) @ np.linalg.inv(self.edges).T

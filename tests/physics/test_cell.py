@@ -28,7 +28,7 @@ def test_collision_across_the_boundary_is_that_of_free_space(target):
     free = start([BALL, target])
     free.advance(0.06)
     there = free.snapshot()
-    assert np.linalg.norm(there.velocity[0] - BALL["velocity"]) > 1.0
+    assert np.linalg.norm(there.velocity[0] - BALL["velocity"]) > 0.5
     assert np.linalg.norm(there.spin[0] - BALL["spin"]) > 1.0
     for image in IMAGES:
         moved = at(target, position=image)
@@ -87,7 +87,7 @@ def test_collisions_across_the_boundary_conserve_momentum_to_rounding():
 
 
 def test_friction_goes_on_when_a_sliding_body_crosses_the_boundary():
-    """A ball slides and rolls on the floor: over the boundary as far from it, bit for bit almost."""
+    """A ball slides, then rolls on the floor: over the boundary as far from it."""
     shapes = {"shape": [*SHAPES, SLAB]}
     gravity = {"gravity": (0.0, 0.0, -9.81)}
     ends = []

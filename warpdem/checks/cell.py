@@ -8,7 +8,6 @@ import numpy as np
 
 from warpdem.checks.timestep import masses
 from warpdem.errors import SceneError
-from warpdem.features import large_bodies
 from warpdem.geometry.orientation import turned
 from warpdem.input.decode import problem_at
 
@@ -48,21 +47,38 @@ def cell_control(
     for (a, b), stress in cell.stress.components().items():
         held[a, b] = held[b, a] = 1.0
         target[a, b] = target[b, a] = stress
+    own = cell_frequency(scene, placement, polyhedra)
+    damping = own if cell.damping is None else cell.damping
+    moment = _inertia(scene, placement, polyhedra) * float(np.prod(cell.size)) ** (2.0 / 3.0)
+    return CellControl(held, target, moment, damping)
+
+
+def _inertia(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]) -> float:
     mass = masses(placement, polyhedra)[0][~placement.fixed]
-    inertia = cell.inertia or float(mass.sum())
-    volume = float(np.prod(cell.size))
+    return (scene.cell and scene.cell.inertia) or float(mass.sum())
+
+
+def cell_frequency(
+    scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
+) -> float:
+    """Own frequency of the cell on a packing of the stiffest contacts [1/s].
+
+    sqrt(V^(1/3) kn / (2 r M)): a packing's modulus is about kn over the bodies' diameter 2 r.
+    """
+    if scene.cell is None or placement.fixed.all():
+        return 0.0
+    length = float(np.prod(scene.cell.size)) ** (1.0 / 3.0)
     bound = np.array([shape.bound for shape in polyhedra.values()])[placement.shape]
     radius = float(np.median((bound * placement.scale)[~placement.fixed]))
     stiffest = max((law.kn for law in scene.contact), default=0.0)
-    own = np.sqrt(volume ** (1.0 / 3.0) * stiffest / (2.0 * radius * inertia))
-    damping = float(own) if cell.damping is None else cell.damping
-    return CellControl(held, target, inertia * volume ** (2.0 / 3.0), damping)
+    mass = _inertia(scene, placement, polyhedra)
+    return float(np.sqrt(length * stiffest / (2.0 * radius * mass)))
 
 
 def spanning_axes(
     scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
 ) -> BoolArray:
-    """Periodic axes along which a large fixed body is at least as long as the cell.
+    """Periodic axes along which a fixed body is at least as long as the cell.
 
     Such a body is a wall, the same everywhere along the axis, and has no images along it.
 
@@ -81,7 +97,7 @@ def spanning_axes(
     margin = bound[~placement.fixed].max(initial=0.0)
     size, centre = np.array(cell.size), np.array(cell.centre)
     problems = []
-    for body in np.flatnonzero(large_bodies(placement, shapes) & placement.fixed):
+    for body in np.flatnonzero(placement.fixed & (2.0 * bound >= size.min())):
         low, high = body_box(shapes[placement.shape[body]], placement, int(body))
         long = np.array(cell.periodic) & (high - low >= size * (1.0 - 1e-9))
         # where the search sees it: with its centre in the cell

@@ -86,9 +86,12 @@ class Surfaces:
 
     def fields(self, snapshot: Snapshot, names: Sequence[str]) -> dict[str, NDArray[Any]]:
         """Values of the bodies at each of their polygons, by name; numbers in single precision."""
+        velocity = snapshot.velocity
+        if snapshot.cell is not None:
+            velocity = snapshot.cell.velocity_seen(snapshot.position, velocity)
         values = self._constant | {
-            "speed": np.linalg.norm(snapshot.velocity, axis=1),
-            "velocity": snapshot.velocity,
+            "speed": np.linalg.norm(velocity, axis=1),
+            "velocity": velocity,
             "spin": snapshot.spin,
             "force": snapshot.force,
         }
