@@ -108,6 +108,7 @@ class Cell:
     jump: wp.array(dtype=mat33)  # of the velocity gradient at the end of the step
     gradient: wp.array(dtype=mat33)  # L at the end of the step
     time: wp.array(dtype=real)
+    lattice: wp.array(dtype=mat33)  # integers U: edges are those of the start, deformed, times U
     # since the lists were made: their edges, F = H H_listed^-1, |F - 1|
     listed: wp.array(dtype=mat33)
     since: wp.array(dtype=mat33)

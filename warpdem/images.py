@@ -12,12 +12,49 @@ from warpdem.kernels.images import find_images, wrap_bodies
 from warpdem.kernels.precision import vec3
 
 if TYPE_CHECKING:
-    from warpdem.arrays import FloatArray
+    from warpdem.arrays import FloatArray, IntArray
+    from warpdem.kernels.views import Pairs
     from warpdem.model import Model
     from warpdem.state import State
 
 # a cell narrower than this part of the distance at which two bodies may meet is refused
 NARROWEST = 0.25
+
+
+# an edge leans this far over another before one of that is taken off
+LEAN = 0.5 + 1e-9
+
+
+def shorter_edges(edges: FloatArray, periodic: tuple[bool, ...]) -> IntArray:
+    """Integers U, of determinant 1, such that no edge of H U leans over half of another.
+
+    H U repeats the same space: image n under H is image U^-1 n under H U. So a cell may shear on
+    and on.
+    """
+    whole = np.eye(3, dtype=np.int64)
+    pairs = [(a, b) for a in range(3) for b in range(3) if a != b and periodic[a] and periodic[b]]
+    reduced, again = edges, True
+    while again:
+        again = False
+        for a, b in pairs:
+            lean = reduced[:, a] @ reduced[:, b] / (reduced[:, b] @ reduced[:, b])
+            if abs(lean) > LEAN:
+                whole[:, a] -= int(np.rint(lean)) * whole[:, b]
+                reduced, again = edges @ whole, True
+    return whole
+
+
+def shorten(state: State, pairs: Pairs, count: int, periodic: tuple[bool, ...]) -> None:
+    """Give the cell its shorter edges, and the images in the lists their new numbers."""
+    cell = state.cell
+    whole = shorter_edges(cell.edges.numpy()[0], periodic)
+    if (whole == np.eye(3, dtype=np.int64)).all():
+        return
+    for each in (cell.edges, cell.rate, cell.rate_end, cell.lattice):
+        each.assign(each.numpy() @ whole)
+    back = np.rint(np.linalg.inv(whole)).astype(np.int32)
+    if count:
+        pairs.image[:count].assign(pairs.image.numpy()[:count] @ back.T)
 
 
 class Images:

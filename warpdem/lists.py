@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
-from warpdem.images import Images
+from warpdem.images import Images, shorten
 from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.matching import carry_history
 from warpdem.kernels.neighbours import find_partners, incidence_keys, incidence_starts
@@ -80,6 +80,7 @@ class Lists:
         wp.copy(state.bodies.listed_position, state.bodies.position)
         wp.copy(state.bodies.listed_orientation, state.bodies.orientation)
         if self._model.features.deforming:
+            shorten(state, self.pairs, self.pair_count, self._model.periodic)
             wp.copy(state.cell.listed, state.cell.edges)
         self.settle()
         old = self._keep_old()

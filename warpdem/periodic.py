@@ -26,7 +26,18 @@ if TYPE_CHECKING:
     from warpdem.state import State
 
 # what a step of the cell depends on
-KEPT = ("edges", "rate", "acceleration", "jump", "gradient", "time", "listed", "power", "work")
+KEPT = (
+    "edges",
+    "rate",
+    "acceleration",
+    "jump",
+    "gradient",
+    "time",
+    "listed",
+    "lattice",
+    "power",
+    "work",
+)
 
 
 def cell_of(
@@ -59,6 +70,7 @@ def cell_of(
         "held": control.held,
         "target": control.target,
         "since": np.eye(3),
+        "lattice": np.eye(3),
         "acceleration": still,
         "jump": still,
     }
@@ -112,7 +124,7 @@ def cell_state(model: Model, state: State, lists: Lists, velocity: FloatArray) -
         edges=edges,
         periodic=model.periodic,
         velocity_gradient=state.cell.gradient.numpy()[0].copy(),
-        deformation=edges @ np.linalg.inv(np.diag(model.cell_size)),
+        deformation=edges @ np.linalg.inv(np.diag(model.cell_size) @ state.cell.lattice.numpy()[0]),
         volume=volume,
         solid_fraction=model.solid_volume / volume,
         contact_stress=_moment(model, state, lists) / volume,

@@ -68,10 +68,11 @@ class CellState:
 
     Attributes:
         centre: [m], shape [3].
-        edges: H, its columns are the edges [m], shape [3, 3].
+        edges: H, its columns are the edges [m], shape [3, 3]; those of a cell that shears far are
+            exchanged for shorter ones, which repeat the same space.
         periodic: Along which of them space repeats itself.
         velocity_gradient: L = H' H^-1 [1/s], shape [3, 3].
-        deformation: H H(0)^-1, shape [3, 3].
+        deformation: Gradient of the deformation since the start, shape [3, 3].
         volume: [m^3].
         solid_fraction: Volume of the free bodies over that of the cell.
         contact_stress: Sum of f (x) d over the volume [Pa], shape [3, 3].

@@ -33,7 +33,9 @@ def test_cell_and_free_bodies_follow_the_exponential_of_the_rate_to_second_order
         centre = shot.cell.centre
         x = (simulation.placement.position - centre) @ exact.T + centre
         assert np.abs(peculiar(shot)).max() < 1e-4
-        errors.append([np.abs(shot.cell.edges - exact).max(), np.abs(shot.position - x).max()])
+        errors.append(
+            [np.abs(shot.cell.deformation - exact).max(), np.abs(shot.position - x).max()]
+        )
     coarse, fine = errors
     assert fine[0] < 1e-5
     for a, b in zip(coarse, fine, strict=True):
@@ -88,6 +90,25 @@ def test_dense_packing_in_simple_shear_flows_with_a_linear_profile():
     assert simulation.snapshot().energy.contact_count > 50
     assert slope == pytest.approx(5.0, rel=0.1)
     assert abs(offset) < 0.1
+
+
+def test_a_cell_that_shears_on_is_described_by_shorter_edges(monkeypatch):
+    size = [0.6] * 3
+    bodies = lattice(3, size, seed=2, speed=0.3, jitter=0.004, shapes=("ball", "cube"))
+    cell = {"size": size, "strain_rate": [[0.0, 40.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]}
+    short = start(bodies, cell, dt=1e-5)
+    short.advance(0.02)
+    monkeypatch.setattr("warpdem.images.LEAN", 1e9)
+    long = start(bodies, cell, dt=1e-5)
+    long.advance(0.02)
+    first, second = short.snapshot(), long.snapshot()
+    assert second.cell.edges[0, 1] == pytest.approx(0.8 * 0.6, rel=1e-9)
+    assert first.cell.edges[0, 1] == pytest.approx(-0.2 * 0.6, rel=1e-9)
+    assert first.energy.friction > 1.0
+    assert np.abs(first.cell.deformation - second.cell.deformation).max() < 1e-12
+    assert np.abs(first.position - second.position).max() < 1e-9
+    assert np.abs(first.velocity - second.velocity).max() < 1e-6
+    assert first.energy.friction == pytest.approx(second.energy.friction, rel=1e-9)
 
 
 def test_momentum_is_conserved_to_rounding_in_shear():

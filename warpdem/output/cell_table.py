@@ -33,8 +33,8 @@ def cell_row(time: float, cell: CellState) -> str:
     """One line for one instant [s, m^3, 1, Pa, Pa, Pa, 1/s, 1, m]; compression is positive.
 
     stress: of contacts and motion together; kinetic: the part of motion; rate: velocity gradient;
-    deformation: H H(0)^-1; edge_xy: x component of the cell's edge y. Positions of trajectory.csv
-    are not wrapped into the cell: whole multiples of its edges may be added.
+    deformation: its gradient since the start; edge_xy: x component of the cell's edge y. Positions
+    of trajectory.csv are not wrapped into the cell: whole multiples of its edges may be added.
     """
     stress = cell.stress
     parts = (

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.errors import OutputError
+from warpdem.output import cell_box, contact_points
 from warpdem.output import checkpoint as checkpoints
-from warpdem.output import contact_points
 from warpdem.output.cell_table import CELL_COLUMNS, cell_row
 from warpdem.output.series import Series
 from warpdem.output.surfaces import Surfaces
@@ -107,7 +107,11 @@ class Recorder:
             table.close()
 
     def _stems(self) -> list[str]:
-        wanted = {"bodies": self._output.surface, "contacts": self._output.contacts}
+        wanted = {
+            "bodies": self._output.surface,
+            "cell": self._output.surface and self._cell,
+            "contacts": self._output.contacts,
+        }
         return [stem for stem, is_wanted in wanted.items() if is_wanted]
 
     def _table_names(self) -> list[str]:
@@ -126,6 +130,8 @@ class Recorder:
     def _write(self, snapshot: Snapshot) -> None:
         if self._surfaces:
             self._frame("bodies", snapshot, self._surfaces.grid(snapshot, self._output.fields))
+            if snapshot.cell:
+                self._frame("cell", snapshot, cell_box.grid(snapshot.cell))
         if self._output.contacts and snapshot.contacts:
             self._frame("contacts", snapshot, contact_points.grid(snapshot.contacts, snapshot.cell))
         if self._output.table:
