@@ -68,6 +68,11 @@ def test_cells_that_make_no_sense_are_refused(cell, more, rule):
         scene(cell, **more)
 
 
+def test_body_alone_in_a_cell_needs_a_law_for_its_own_images():
+    with pytest.raises(ValidationError, match="groups that can meet lack"):
+        scene({}, contact=[])
+
+
 def test_floor_that_ends_at_the_boundary_is_refused_and_a_longer_one_is_infinite():
     open_above = {"periodic": [True, True, False]}
     down = {"gravity": (0.0, 0.0, -9.81)}
@@ -82,6 +87,10 @@ def test_floor_that_ends_at_the_boundary_is_refused_and_a_longer_one_is_infinite
     shot = Simulation(wide, device="cpu").snapshot(contacts=True)
     assert len(shot.contacts.gap) == 1
     assert np.abs(shot.force[0]).max() < 1e-6
+    # the wall presses at the contact point, in the middle of the overlap
+    stress = sunk * 1e5 * (0.1 - 0.5 * sunk)
+    assert shot.cell.contact_stress[2, 2] == pytest.approx(stress, rel=1e-6)
+    assert np.abs(shot.cell.contact_stress[:2]).max() < 1e-9
 
 
 def test_cell_far_narrower_than_its_bodies_is_refused_by_name():
@@ -140,7 +149,9 @@ def test_run_writes_the_cell_and_shows_bodies_inside_it(tmp_path):
     assert float(rows[0]["stress_xx"]) > 0.0
     surface = pyvista.PVDReader(tmp_path / "out" / "bodies.pvd").read()[0]
     assert surface.bounds[1] < 1.2
-    box = pyvista.PVDReader(tmp_path / "out" / "cell.pvd").read()[0]
+    reader = pyvista.PVDReader(tmp_path / "out" / "cell.pvd")
+    reader.set_active_time_point(2)
+    box = reader.read()[0]
     assert np.allclose(box.bounds, [-0.01, 1.01, 0.0, 1.0, 0.0, 1.0], atol=1e-6)
     points = pyvista.PVDReader(tmp_path / "out" / "contacts.pvd").read()[0]
     assert 0.0 <= points.points[0, 0] <= 1.0

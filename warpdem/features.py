@@ -68,6 +68,7 @@ def features_of(
     crowd = len(placement.shape) > 1 or scene.cell is not None
     contacts = bool(laws) and bool(free.any()) and crowd
     deforming = scene.cell is not None and scene.cell.deforms
+    held = scene.cell is not None and bool(scene.cell.stress.components())
     friction = any(law.mu > 0 and law.kt > 0 for law in laws)
     return Features(
         contacts=contacts,
@@ -81,7 +82,7 @@ def features_of(
         driven=bool(moving.any()),
         periodic=scene.cell is not None,
         deforming=deforming,
-        cell_sums=deforming and (scene.output.energy or bool(scene.cell.stress.components())),
+        cell_sums=deforming and (scene.output.energy or held),
         account=scene.output.energy,
         **_numerics(how, laws, friction=friction),
     )

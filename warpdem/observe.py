@@ -172,7 +172,7 @@ def _energy(model: Model, state: State, lists: Lists, start: float) -> Energy:
 
 def fault(model: Model, state: State, dt: float) -> tuple[int, str]:
     """The body that flew off first, and how."""
-    speed = np.linalg.norm(state.bodies.velocity.numpy(), axis=1)
+    speed = np.linalg.norm(state.bodies.velocity.numpy() - flow(model, state), axis=1)
     turn = np.linalg.norm(state.bodies.spin.numpy(), axis=1)
     reach = (speed + 0.3 * turn * model.bound) * dt / model.bound
     reach[~model.free] = 0.0

@@ -40,6 +40,25 @@ def test_collision_across_the_boundary_is_that_of_free_space(target):
             assert np.abs(getattr(here, name) - getattr(there, name)).max() < 3e-12
 
 
+def test_large_body_is_found_across_the_boundary():
+    small = {**BALL, "scale": 0.5, "position": [0.34, 0.05, 0.0]}
+    other = {**small, "position": [0.4, -0.3, 0.3]}
+    large = {"shape": "ball", "scale": 2.5, "position": [0.0, 0.0, 0.0], "spin": [0.0, 2.0, 1.0]}
+    shots = []
+    for image in ([0, 0, 0], [1, 0, 0], [-1, 1, 2]):
+        simulation = start([small, other, at(large, position=image)], UNIT)
+        assert simulation.features.large
+        simulation.advance(0.06)
+        shots.append((simulation.snapshot(), np.array(image)))
+    (here, _), *others = shots
+    assert np.linalg.norm(here.spin[0] - BALL["spin"]) > 1.0
+    for there, image in others:
+        moved = here.position + np.outer([0.0, 0.0, 1.0], image)
+        assert np.abs(there.position - moved).max() < 1e-12
+        for name in STATE[1:]:
+            assert np.abs(getattr(there, name) - getattr(here, name)).max() < 3e-12
+
+
 def test_body_pressed_against_its_own_image_stays_in_place():
     squeezed = {"size": [0.19, 1.0, 1.0]}
     simulation = start([{"shape": "ball", "position": [0.02, 0.5, 0.5]}], squeezed)

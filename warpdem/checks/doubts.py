@@ -8,6 +8,7 @@ import numpy as np
 
 from warpdem.checks.cell import cell_frequency
 from warpdem.checks.timestep import masses
+from warpdem.filling.placement import first_flow
 from warpdem.input.scene_references import meeting_groups
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def _soft(
     """Contacts that weight or impact would press in deeply, each law by its worst body."""
     mass = masses(placement, polyhedra)[0]
     gravity = float(np.linalg.norm(scene.gravity.vector))
-    speed = np.linalg.norm(placement.velocity, axis=1)
+    speed = np.linalg.norm(placement.velocity - first_flow(scene, placement), axis=1)
     table = scene.contact_table(placement.groups)
     for pair in meeting_groups(scene):
         groups = [placement.groups.index(name) for name in pair if name in placement.groups]

@@ -97,12 +97,16 @@ def place(scene: Scene, shapes: Mapping[str, Polyhedron]) -> Placement:
 
 def _flowing(scene: Scene, placement: Placement) -> Placement:
     """The bodies with the homogeneous flow of a cell that deforms from the start."""
+    return replace(placement, velocity=placement.velocity + first_flow(scene, placement))
+
+
+def first_flow(scene: Scene, placement: Placement) -> FloatArray:
+    """Velocity of the homogeneous flow at each free body at the start, shape [body_count, 3]."""
     cell = scene.cell
     if cell is None or cell.start > 0.0:
-        return placement
+        return np.zeros_like(placement.position)
     flow = (placement.position - np.array(cell.centre)) @ np.array(cell.strain_rate).T
-    moving = ~placement.fixed[:, None]
-    return replace(placement, velocity=placement.velocity + np.where(moving, flow, 0.0))
+    return np.where(placement.fixed[:, None], 0.0, flow)
 
 
 def _massless(scene: Scene, shapes: Mapping[str, Polyhedron]) -> list[Problem]:
