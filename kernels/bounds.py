@@ -11,7 +11,9 @@ from warpdem.kernels.views import Bodies, Geometry
 
 
 @inlined()
-def boxes_near(geometry: Geometry, bodies: Bodies, i: int, j: int, reach: real) -> bool:
+def boxes_near(
+    geometry: Geometry, bodies: Bodies, i: int, j: int, centres: vec3, reach: real
+) -> bool:
     """Separating-axis test of the two core boxes over their six face normals."""
     shape_i = geometry.shape[i]
     shape_j = geometry.shape[j]
@@ -21,7 +23,7 @@ def boxes_near(geometry: Geometry, bodies: Bodies, i: int, j: int, reach: real) 
     half_j = geometry.core_half[shape_j] * geometry.scale[j]
     middle_i = rotation_i * (geometry.core_middle[shape_i] * geometry.scale[i])
     middle_j = rotation_j * (geometry.core_middle[shape_j] * geometry.scale[j])
-    d = bodies.position[i] - bodies.position[j] + middle_i - middle_j
+    d = centres + middle_i - middle_j
     turn = wp.transpose(rotation_i) * rotation_j
     d_i = wp.transpose(rotation_i) * d
     d_j = wp.transpose(rotation_j) * d
@@ -39,14 +41,17 @@ def boxes_near(geometry: Geometry, bodies: Bodies, i: int, j: int, reach: real) 
 
 
 @inlined()
-def bodies_near(geometry: Geometry, bodies: Bodies, i: int, j: int, skin: real) -> bool:
-    """Whether two bodies could touch within the skin: bounding spheres, then core boxes."""
+def bodies_near(geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, skin: real) -> bool:
+    """Whether two bodies could touch within the skin: bounding spheres, then core boxes.
+
+    ``d`` is the centre of i about that of j, or of its image.
+    """
     if geometry.large[i] == 0 and geometry.large[j] == 0:
         near = geometry.bound[i] + geometry.bound[j] + skin
-        if wp.length_sq(bodies.position[i] - bodies.position[j]) > near * near:
+        if wp.length_sq(d) > near * near:
             return False
     reach = geometry.radius[i] + geometry.radius[j] + skin
-    return boxes_near(geometry, bodies, i, j, reach)
+    return boxes_near(geometry, bodies, i, j, d, reach)
 
 
 @wp.func

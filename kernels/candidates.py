@@ -10,11 +10,12 @@ from warpdem.kernels.bounds import (
     vertex_near_edge,
     vertex_near_face,
 )
+from warpdem.kernels.cell import real_vector
 from warpdem.kernels.codes import EE, EV, FV, VE, VF, VS, VV, emit
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.surfaces import is_surface, vertices_above
 from warpdem.kernels.variant import inlined, variant
-from warpdem.kernels.views import Bodies, Geometry, Pairs
+from warpdem.kernels.views import Bodies, Cell, Geometry, Pairs
 
 
 @functools.cache
@@ -304,7 +305,9 @@ def sort(code: wp.array(dtype=wp.int64), first: int, last: int):
 
 
 @functools.cache
-def find_candidates(*, fill: bool, polyhedra: bool, trees: bool, surfaces: bool) -> wp.Kernel:
+def find_candidates(
+    *, fill: bool, polyhedra: bool, trees: bool, surfaces: bool, periodic: bool
+) -> wp.Kernel:
     """Kernel that counts the candidates of each body pair, or writes them in ascending order."""
     vertices = vertices_against(fill=fill)
     edges = edges_against(fill=fill)
@@ -320,6 +323,7 @@ def find_candidates(*, fill: bool, polyhedra: bool, trees: bool, surfaces: bool)
         skin: real,
         bodies: Bodies,
         pairs: Pairs,
+        cell: Cell,
         # out
         code: wp.array(dtype=wp.int64),
         ends: wp.array(dtype=wp.int32),
@@ -333,6 +337,8 @@ def find_candidates(*, fill: bool, polyhedra: bool, trees: bool, surfaces: bool)
         n = int(first)
         if wp.static(polyhedra):
             d = bodies.position[i] - bodies.position[j]
+            if wp.static(periodic):
+                d -= cell.edges[0] * real_vector(pairs.image[pair])
             reach = geometry.radius[i] + geometry.radius[j] + skin
             whole = bool(True)
             if wp.static(surfaces):

@@ -9,7 +9,7 @@ from warpdem.kernels.codes import kind_of
 from warpdem.kernels.cohesion import curvature_radius
 from warpdem.kernels.custom import Touch
 from warpdem.kernels.friction_laws import rolling_law, tangential_law
-from warpdem.kernels.kinematics import Kinematics, branch, kinematics
+from warpdem.kernels.kinematics import Flow, Kinematics, branch, kinematics
 from warpdem.kernels.laws import AVALANCHE, Laws
 from warpdem.kernels.normal_laws import normal_law
 from warpdem.kernels.precision import real, vec3, vec4
@@ -234,7 +234,7 @@ def apply_laws(laws: Laws) -> wp.Function:
     The account holds the energy stored, and what dashpot, friction and rolling have lost since the
     last step but for the powers [W] that go with it: those act for the step.
     """
-    motion_at = kinematics(predicted=laws.predicted)
+    motion_at = kinematics(predicted=laws.predicted, deforming=laws.deforming)
     touch_at = touch_of(laws)
     share_at = shared(laws)
     normal_force = normal_part(laws)
@@ -250,6 +250,7 @@ def apply_laws(laws: Laws) -> wp.Function:
         bodies: Bodies,
         candidates: Candidates,
         law: Material,
+        flow: Flow,
         i: int,
         j: int,
         d: vec3,
@@ -271,7 +272,7 @@ def apply_laws(laws: Laws) -> wp.Function:
         if wp.static(laws.reaching or laws.sticky):
             distant = overlap <= real(0.0)
             if distant:
-                motion = motion_at(bodies, i, j, d, normal, point, dt)
+                motion = motion_at(bodies, flow, i, j, d, normal, point, dt)
                 pull, account = attract(geometry, candidates, law, i, j, c, -overlap, motion, dt)
                 force = -normal * pull
                 torque = wp.cross(point, force)
@@ -279,7 +280,7 @@ def apply_laws(laws: Laws) -> wp.Function:
             past = candidates.past[c]
             fresh = past[3] < real(0.0)
             share, mean, keeps, before = share_at(candidates, c, overlap, total, law, fresh)
-            motion = motion_at(bodies, i, j, d, normal, point, dt)
+            motion = motion_at(bodies, flow, i, j, d, normal, point, dt)
             touch = touch_at(
                 geometry, inertia, candidates, law, i, j, c, overlap, share, tau, beta, dt
             )

@@ -7,16 +7,19 @@ follows from all of them. Pass 2 applies the laws, contact by contact, and write
 import functools
 
 import warp as wp
+from warpdem.kernels.cell import real_vector
 from warpdem.kernels.contact import apply_laws
+from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import total_of
 from warpdem.kernels.touching import find_touching, frequency
-from warpdem.kernels.variant import variant
+from warpdem.kernels.variant import inlined, variant
 from warpdem.kernels.views import (
     Account,
     Bodies,
     Candidates,
+    Cell,
     Clock,
     Geometry,
     Inertia,
@@ -25,14 +28,69 @@ from warpdem.kernels.views import (
 )
 
 
+@wp.func
+def given_up(law: Material, freed: real, unrolled: real) -> vec4:
+    """What the springs of contacts that opened lose: squares of their force and moment [J]."""
+    account = vec4()
+    if freed > real(0.0):
+        account[2] = freed / (real(2.0) * law.kt)
+    if unrolled > real(0.0):
+        account[3] = unrolled / (real(2.0) * law.kr)
+    return account
+
+
+@functools.cache
+def dashpot(laws: Laws) -> wp.Function:
+    """Function of what all contacts of a pair share: see sharing.py and normal.py.
+
+    The measure of their shares, the time tau of their dashpot [s], its implicit share beta.
+    """
+    frequency_of = frequency(laws)
+    shares = laws.partnership != "sum"
+    total_shares = total_of(laws.partnership) if shares else None
+
+    @inlined()
+    def dashpot(
+        inertia: Inertia,
+        bodies: Bodies,
+        candidates: Candidates,
+        law: Material,
+        i: int,
+        j: int,
+        d: vec3,
+        start: int,
+        touching: int,
+        dt: real,
+    ):
+        total = real(1.0)
+        if wp.static(shares):
+            total = total_shares(candidates, start, touching, law.exponent)
+        tau = real(0.0)
+        beta = real(0.0)
+        if wp.static(laws.damped):
+            inverse_mass = inertia.inverse_mass[i] + inertia.inverse_mass[j]
+            square = inverse_mass
+            if wp.static(laws.pair_damping or laws.predicted):
+                square = frequency_of(
+                    inertia, bodies, candidates, i, j, d, start, touching, total, law.exponent
+                )
+            omega = wp.sqrt(law.kn * square)
+            tau = real(2.0) * law.zeta / omega
+            beta = law.zeta * omega * dt
+            if wp.static(not laws.pair_damping):
+                tau = real(2.0) * law.zeta / wp.sqrt(law.kn * inverse_mass)
+                beta = real(0.5) * dt * tau * omega * omega
+        return total, tau, beta
+
+    return dashpot
+
+
 @functools.cache
 def pair_forces(laws: Laws) -> wp.Kernel:
     """Kernel of the contact wrench of each body pair."""
     find = find_touching(laws)
     apply = apply_laws(laws)
-    frequency_of = frequency(laws)
-    shares = laws.partnership != "sum"
-    total_shares = total_of(laws.partnership) if shares else None
+    dashpot_of = dashpot(laws)
 
     @variant
     def pair_forces(
@@ -46,6 +104,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         span: wp.array(dtype=wp.int32),
         bodies: Bodies,
         clock: Clock,
+        cell: Cell,
         # in and out
         pairs: Pairs,
         candidates: Candidates,
@@ -62,43 +121,33 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         i = pairs.owner[pair]
         j = pairs.partner[pair]
         d = bodies.position[i] - bodies.position[j]
+        flow = Flow()
+        if wp.static(laws.periodic):
+            image = real_vector(pairs.image[pair])
+            d -= cell.edges[0] * image
+            if wp.static(laws.deforming):
+                flow.half = cell.rate[0] * image
+                flow.end = cell.rate_end[0] * image
         law = materials[pairs.material[pair]]
         touching, freed, unrolled = find(
             geometry, bodies, candidates, i, j, law, d, start, end, margin
         )
         pairs.touching[pair] = touching
-        account = vec4()
+        account = given_up(law, freed, unrolled)
         power = vec4()
-        if wp.static(laws.account):
-            if freed > real(0.0):
-                account[2] = freed / (real(2.0) * law.kt)
-            if unrolled > real(0.0):
-                account[3] = unrolled / (real(2.0) * law.kr)
         force = vec3()
         torque = vec3()
         if touching > 0:
-            total = real(1.0)
-            if wp.static(shares):
-                total = total_shares(candidates, start, touching, law.exponent)
-            tau = real(0.0)
-            beta = real(0.0)
-            if wp.static(laws.damped):
-                inverse_mass = inertia.inverse_mass[i] + inertia.inverse_mass[j]
-                square = inverse_mass
-                if wp.static(laws.pair_damping or laws.predicted):
-                    square = frequency_of(
-                        inertia, bodies, candidates, i, j, d, start, touching, total, law.exponent
-                    )
-                omega = wp.sqrt(law.kn * square)
-                tau = real(2.0) * law.zeta / omega
-                beta = law.zeta * omega * dt
-                if wp.static(not laws.pair_damping):
-                    tau = real(2.0) * law.zeta / wp.sqrt(law.kn * inverse_mass)
-                    beta = real(0.5) * dt * tau * omega * omega
+            total, tau, beta = dashpot_of(
+                inertia, bodies, candidates, law, i, j, d, start, touching, dt
+            )
             for slot in range(start, start + touching):
+                # fmt: off
                 f, t, a, p = apply(
-                    geometry, inertia, bodies, candidates, law, i, j, d, slot, total, tau, beta, dt
+                    geometry, inertia, bodies, candidates, law, flow, i, j, d, slot,
+                    total, tau, beta, dt,
                 )
+                # fmt: on
                 force += f
                 torque += t
                 account += a

@@ -15,6 +15,7 @@ from warpdem.kernels.variant import inlined, plain, variant
 from warpdem.kernels.views import (
     Account,
     Bodies,
+    Cell,
     Clock,
     External,
     Geometry,
@@ -71,6 +72,26 @@ def watching(*, surfaces: bool) -> wp.Function:
     return watch
 
 
+@inlined()
+def watch_flow(geometry: Geometry, bodies: Bodies, cell: Cell, clock: Clock, body: int, dt: real):
+    """``watch`` in a cell that deforms: motion against the cell's since the lists were made.
+
+    With F = H H_listed^-1 and u = x - F x_listed, d = u_i - u_j + F d_listed for every image.
+    """
+    bound = geometry.bound[body]
+    centre = cell.centre[0]
+    x = bodies.position[body] - centre
+    speed = wp.length(bodies.velocity[body] - cell.rate[0] * wp.inverse(cell.edges[0]) * x)
+    turn = wp.length(bodies.spin[body])
+    if not ((speed + real(0.3) * turn * bound) * dt <= bound):
+        clock.fault[0] = 1
+    moved = wp.length(x - cell.since[0] * (bodies.listed_position[body] - centre))
+    turned = arc(bodies.orientation[body], bodies.listed_orientation[body])
+    stretched = cell.stretch[0] * (bound + clock.reach[0])
+    if not (moved + bound * turned + stretched <= clock.reach[0]):
+        clock.moved[0] = 1
+
+
 @plain
 def orient(
     # model
@@ -86,7 +107,13 @@ def orient(
 
 @functools.cache
 def drift(
-    rotate: wp.Function, *, predicted: bool, driven: bool, contacts: bool, surfaces: bool
+    rotate: wp.Function,
+    *,
+    predicted: bool,
+    driven: bool,
+    contacts: bool,
+    surfaces: bool,
+    deforming: bool,
 ) -> wp.Kernel:
     """Kernel of the first half kick and the drift; ``rotate`` is a drift of kernels.rotation."""
     watch = watching(surfaces=surfaces and driven)
@@ -99,6 +126,7 @@ def drift(
         # in
         dt: real,
         span: wp.array(dtype=wp.int32),
+        cell: Cell,
         # in and out
         bodies: Bodies,
         # out
@@ -145,7 +173,10 @@ def drift(
         watched = dt
         if wp.static(not contacts):
             watched = real(0.0)
-        watch(geometry, bodies, clock, body, watched)
+        if wp.static(deforming):
+            watch_flow(geometry, bodies, cell, clock, body, watched)
+        else:
+            watch(geometry, bodies, clock, body, watched)
 
     return drift
 
@@ -189,7 +220,9 @@ def book(energy: Account, body: int, power: real, dt: real):
 
 
 @functools.cache
-def kick(torque_of: wp.Function, forces: Forces, *, contacts: bool, account: bool) -> wp.Kernel:
+def kick(
+    torque_of: wp.Function, forces: Forces, *, contacts: bool, account: bool, deforming: bool
+) -> wp.Kernel:
     """Kernel of the gathering of forces and the second half kick."""
     act = external_forces(forces)
 
@@ -205,6 +238,7 @@ def kick(torque_of: wp.Function, forces: Forces, *, contacts: bool, account: boo
         pairs: Pairs,
         incidence: Incidence,
         clock: Clock,
+        cell: Cell,
         # in and out
         bodies: Bodies,
         # out
@@ -236,6 +270,11 @@ def kick(torque_of: wp.Function, forces: Forces, *, contacts: bool, account: boo
             spun = bodies.angular_momentum[body]
             torque = torque_of(torque, bodies.spin[body], spun)
             half = real(0.5) * dt
+            if wp.static(deforming):
+                # the homogeneous flow accelerates with the cell
+                x = (bodies.position[body] - cell.centre[0]) / inertia.inverse_mass[body]
+                force += cell.acceleration[0] * x
+                bodies.momentum[body] = bodies.momentum[body] + cell.jump[0] * x
             bodies.force[body] = force
             bodies.torque[body] = torque
             bodies.momentum[body] = bodies.momentum[body] + force * half

@@ -21,18 +21,35 @@ class Kinematics:
     spin_end: vec3  # predicted for the end of the step [rad/s]
 
 
+@wp.struct
+class Flow:
+    """Velocity of an image beyond that of its body, where the periodic cell deforms [m/s]."""
+
+    half: vec3  # at the half step
+    end: vec3  # predicted for the end of the step
+
+
 @functools.cache
-def kinematics(*, predicted: bool) -> wp.Function:
-    """Function of the motion at a contact point."""
+def kinematics(*, predicted: bool, deforming: bool) -> wp.Function:
+    """Function of the motion at a contact point; ``flow`` is that of the partner's image."""
 
     @inlined()
     def kinematics(
-        bodies: Bodies, i: int, j: int, d: vec3, normal: vec3, point: vec3, dt: real
+        bodies: Bodies,
+        flow: Flow,
+        i: int,
+        j: int,
+        d: vec3,
+        normal: vec3,
+        point: vec3,
+        dt: real,
     ) -> Kinematics:
         arm = point - d
         motion = Kinematics()
         relative = bodies.velocity[j] + wp.cross(bodies.spin[j], point)
         relative -= bodies.velocity[i] + wp.cross(bodies.spin[i], arm)
+        if wp.static(deforming):
+            relative += flow.half
         motion.approach = wp.dot(relative, normal)
         motion.sliding = relative - normal * motion.approach
         motion.spin = bodies.spin[j] - bodies.spin[i]
@@ -43,6 +60,8 @@ def kinematics(*, predicted: bool) -> wp.Function:
         if wp.static(predicted):
             end = bodies.velocity_end[j] + wp.cross(bodies.spin_end[j], point)
             end -= bodies.velocity_end[i] + wp.cross(bodies.spin_end[i], arm)
+            if wp.static(deforming):
+                end += flow.end
             motion.approach_end = wp.dot(end, normal)
             motion.sliding_end = end - normal * motion.approach_end
             motion.spin_end = bodies.spin_end[j] - bodies.spin_end[i]

@@ -11,7 +11,7 @@ from warpdem.kernels.laws import Laws
 from warpdem.kernels.neighbours import lower_bound
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.variant import inlined, variant
-from warpdem.kernels.views import Bodies, Candidates, Geometry, Pairs
+from warpdem.kernels.views import Bodies, Candidates, Cell, Geometry, Pairs
 
 
 @inlined()
@@ -84,8 +84,38 @@ def hand_over(gap_of: wp.Function, laws: Laws) -> wp.Function:
     return hand_over
 
 
+@inlined()
+def same_image(
+    old_partner: wp.array(dtype=wp.int32),
+    old_image: wp.array(dtype=wp.vec3i),
+    first: int,
+    last: int,
+    pairs: Pairs,
+    pair: int,
+    cell: Cell,
+) -> int:
+    """Old pair with the same image of the partner, or ``last``.
+
+    A fixed body that spans the cell is the same in all its images.
+    """
+    i = pairs.owner[pair]
+    j = pairs.partner[pair]
+    n = pairs.image[pair]
+    found = int(last)
+    for old in range(first, last):
+        if old_partner[old] == j and found == last:
+            same = bool(True)
+            for a in range(3):
+                if cell.spanning[i][a] == 0 and cell.spanning[j][a] == 0:
+                    if old_image[old][a] != n[a]:
+                        same = False
+            if same:
+                found = old
+    return found
+
+
 @functools.cache
-def carry_history(*, rolling: bool, shares: bool, last: bool) -> wp.Kernel:
+def carry_history(*, rolling: bool, shares: bool, last: bool, periodic: bool) -> wp.Kernel:
     """Kernel that moves what contacts remember from the old lists into the new ones, by merging."""
 
     @variant
@@ -93,6 +123,7 @@ def carry_history(*, rolling: bool, shares: bool, last: bool) -> wp.Kernel:
         # in
         old_ends: wp.array(dtype=wp.int32),
         old_partner: wp.array(dtype=wp.int32),
+        old_image: wp.array(dtype=wp.vec3i),
         old_start: wp.array(dtype=wp.int32),
         old_code: wp.array(dtype=wp.int64),
         old_past: wp.array(dtype=vec4),
@@ -100,6 +131,7 @@ def carry_history(*, rolling: bool, shares: bool, last: bool) -> wp.Kernel:
         old_share: wp.array(dtype=real),
         old_last: wp.array(dtype=real),
         pairs: Pairs,
+        cell: Cell,
         # out
         candidates: Candidates,
     ):
@@ -109,6 +141,8 @@ def carry_history(*, rolling: bool, shares: bool, last: bool) -> wp.Kernel:
         if i > 0:
             low = old_ends[i - 1]
         old = lower_bound(old_partner, low, old_ends[i], pairs.partner[pair])
+        if wp.static(periodic):
+            old = same_image(old_partner, old_image, old, old_ends[i], pairs, pair, cell)
         k = int(0)
         end = int(0)
         if old < old_ends[i]:

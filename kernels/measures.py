@@ -3,9 +3,10 @@
 import functools
 
 import warp as wp
+from warpdem.kernels.cell import real_vector
 from warpdem.kernels.precision import mat66, real, vec3, vec6
 from warpdem.kernels.variant import variant
-from warpdem.kernels.views import Bodies, Candidates, Incidence, Inertia, Material, Pairs
+from warpdem.kernels.views import Bodies, Candidates, Cell, Incidence, Inertia, Material, Pairs
 
 
 @wp.func
@@ -24,8 +25,8 @@ def direction(e: vec3, arm: vec3, inverse_mass: real, inverse_moment: vec3) -> v
 
 
 @functools.cache
-def frequency_bound(partnership: str) -> wp.Kernel:
-    """Kernel of the bound on each body's frequencies."""
+def frequency_bound(partnership: str, *, periodic: bool) -> wp.Kernel:
+    """Kernel of a bound of each body's highest frequency."""
 
     @variant
     def frequency_bound(
@@ -37,6 +38,7 @@ def frequency_bound(partnership: str) -> wp.Kernel:
         pairs: Pairs,
         candidates: Candidates,
         incidence: Incidence,
+        cell: Cell,
         # out
         square: wp.array(dtype=real),
     ):
@@ -61,6 +63,8 @@ def frequency_bound(partnership: str) -> wp.Kernel:
             shift = vec3()
             if (code & 1) == 0:
                 shift = bodies.position[j] - bodies.position[i]
+                if wp.static(periodic):
+                    shift += cell.edges[0] * real_vector(pairs.image[pair])
             phi = real(1.0)
             if inertia.inverse_mass[i] > real(0.0) and inertia.inverse_mass[j] > real(0.0):
                 phi = real(2.0)

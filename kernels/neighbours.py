@@ -63,7 +63,8 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
         if geometry.large[i] == 0:
             for j in wp.hash_grid_query(grid, x, geometry.bound[i] + grid_bound + skin):
                 if geometry.large[j] == 0 and owns(geometry, inertia, i, j):
-                    if bodies_near(geometry, bodies, i, j, skin):
+                    d = x - bodies.position[j]
+                    if bodies_near(geometry, bodies, i, j, d, skin):
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1
@@ -78,7 +79,8 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
             while wp.bvh_query_next(query, item):
                 j = tree_body[item]
                 if j != i and owns(geometry, inertia, i, j):
-                    if bodies_near(geometry, bodies, i, j, skin):
+                    d = x - bodies.position[j]
+                    if bodies_near(geometry, bodies, i, j, d, skin):
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1

@@ -91,12 +91,45 @@ class Pairs:
 
     owner: wp.array(dtype=wp.int32)
     partner: wp.array(dtype=wp.int32)
+    image: wp.array(dtype=wp.vec3i)  # of the partner, in a periodic cell
     material: wp.array(dtype=wp.int32)
     start: wp.array(dtype=wp.int32)  # first candidate; one entry more than there are pairs
     touching: wp.array(dtype=wp.int32)  # number of touching candidates
     force: wp.array(dtype=vec3)  # on the owner
     torque: wp.array(dtype=vec3)  # on the owner, about its centre of mass
     torque_partner: wp.array(dtype=vec3)  # on the partner, about its own
+
+
+@wp.struct
+class Cell:
+    """The periodic cell, one entry each; image n of a body lies at x + edges n."""
+
+    centre: wp.array(dtype=vec3)
+    spanning: wp.array(dtype=wp.vec3i)  # of a body: axes along which it has no images
+    edges: wp.array(dtype=mat33)  # H, its columns [m]
+    rate: wp.array(dtype=mat33)  # H' at the half step
+    rate_end: wp.array(dtype=mat33)  # predicted for the end of the step
+    acceleration: wp.array(dtype=mat33)  # A: bodies are accelerated by A x
+    jump: wp.array(dtype=mat33)  # of the velocity gradient at the end of the step
+    gradient: wp.array(dtype=mat33)  # L at the end of the step
+    time: wp.array(dtype=real)
+    lattice: wp.array(dtype=mat33)  # integers U: edges are those of the start, deformed, times U
+    # since the lists were made: their edges, F = H H_listed^-1, |F - 1|
+    listed: wp.array(dtype=mat33)
+    since: wp.array(dtype=mat33)
+    stretch: wp.array(dtype=real)
+    # control: rates given; 1 where a stress is; that stress, compression positive
+    given: wp.array(dtype=mat33)
+    held: wp.array(dtype=mat33)
+    target: wp.array(dtype=mat33)
+    inertia: wp.array(dtype=real)  # M of M L' = V (stress - target) - M damping L [kg m^2]
+    damping: wp.array(dtype=real)
+    start: wp.array(dtype=real)
+    stop: wp.array(dtype=real)
+    # partial sums of the volume times the stress; work done on the bodies
+    sums: wp.array(dtype=mat33)
+    power: wp.array(dtype=real)
+    work: wp.array(dtype=real)
 
 
 @wp.struct

@@ -31,7 +31,16 @@ def main() -> int:
         print(f"{index}: holds frames 0 to {count - 1}", file=sys.stderr)
         return 2
     reader.set_active_time_point(number)
-    return _draw(reader.read()[0], options)
+    return _draw(reader.read()[0], _cell(options.run, number), options)
+
+
+def _cell(run: Path, number: int) -> pv.DataSet | None:
+    """The periodic cell at a frame, if there is one."""
+    if not (run / "cell.pvd").is_file():
+        return None
+    reader = pv.PVDReader(run / "cell.pvd")
+    reader.set_active_time_point(number)
+    return reader.read()[0]
 
 
 def _arguments() -> argparse.Namespace:
@@ -50,7 +59,7 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _draw(grid: pv.UnstructuredGrid, options: argparse.Namespace) -> int:
+def _draw(grid: pv.UnstructuredGrid, cell: pv.DataSet | None, options: argparse.Namespace) -> int:
     if options.color not in {"none", *grid.cell_data.keys()}:
         known = ", ".join(grid.cell_data.keys())
         print(f"no field {options.color}; there are {known}", file=sys.stderr)
@@ -64,6 +73,8 @@ def _draw(grid: pv.UnstructuredGrid, options: argparse.Namespace) -> int:
     plotter = pv.Plotter(off_screen=True, window_size=options.size, lighting="none")
     _add_fixed(plotter, parts["fixed"], options)
     _add_moving(plotter, parts["moving"], options)
+    if cell is not None:
+        plotter.add_mesh(cell, style="wireframe", color="#4a4a4a", line_width=2, lighting=False)
     seen = parts[options.fit] if parts[options.fit].n_cells else grid
     _light(plotter)
     plotter.set_background(SKY[0], top=SKY[1])

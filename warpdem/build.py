@@ -15,6 +15,7 @@ from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Geometry, Inertia
 from warpdem.materials import materials
 from warpdem.model import Model, on
+from warpdem.periodic import cell_of
 from warpdem.state import State, allocate
 
 if TYPE_CHECKING:
@@ -62,11 +63,20 @@ def build(
         reach=max((law.dncut or 0.0 for law in scene.contact), default=0.0),
         skin_adapts=scene.run.skin == "auto" and scene.run.list_distance is None,
         keep_within=scene.run.list_distance or 0.0,
+        periodic=scene.cell.periodic if scene.cell else (False, False, False),
+        cell_size=scene.cell.size if scene.cell else (),
+        solid_volume=_solid_volume(placement, shapes),
         trees=trees,
     )
-    state = allocate(device, len(mass), arms, account=features.account)
+    cell = cell_of(scene, placement, polyhedra, features, device)
+    state = allocate(device, len(mass), arms, cell, account=features.account)
     _start(state, placement, mass, moment)
     return model, state
+
+
+def _solid_volume(placement: Placement, shapes: list[Polyhedron]) -> float:
+    volume = np.array([shape.volume for shape in shapes])[placement.shape] * placement.scale**3
+    return float(volume[~placement.fixed].sum())
 
 
 def _skin(scene: Scene, bound: FloatArray) -> float:

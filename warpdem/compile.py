@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import warp as wp
 
 from warpdem.kernels.candidates import find_candidates
+from warpdem.kernels.images import find_images, wrap_bodies
 from warpdem.kernels.integrate import orient
 from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.neighbours import find_partners, incidence_keys
 from warpdem.lists import history_kernel
-from warpdem.stages import cycle, kick
+from warpdem.stages import after_drift, cell_drift, cycle, kick
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,6 +28,10 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
     """Every kernel that the scene will launch, by name."""
     has = model.features
     stages = cycle(model, state, lists, share, 0.0)
+    if has.deforming:
+        stages = (*stages, *cell_drift(model, state, share, 0.0))
+        alone = after_drift(model, state, lists, share, 0.0)
+        stages = (*stages, *(replace(s, name="cell alone") for s in alone if s.name == "cell"))
     kernels: dict[str, wp.Kernel] = {stage.name: stage.kernel for stage in stages}
     kernels["orient"] = orient
     if has.first_step == "gravity":
@@ -35,12 +41,21 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
     for fill in (False, True):
         word = "fill" if fill else "count"
         kernels[f"{word} pairs"] = find_partners(fill=fill, large=has.large, surfaces=has.surfaces)
+        if has.periodic:
+            kernels[f"{word} pairs"] = find_images(
+                fill=fill, large=has.large, surfaces=has.surfaces
+            )
+            kernels["wrap"] = wrap_bodies
         kernels[f"{word} candidates"] = find_candidates(
-            fill=fill, polyhedra=has.polyhedra, trees=has.trees, surfaces=has.surfaces
+            fill=fill,
+            polyhedra=has.polyhedra,
+            trees=has.trees,
+            surfaces=has.surfaces,
+            periodic=has.periodic,
         )
     kernels["history"] = history_kernel(has)
     kernels["incidence"] = incidence_keys
-    kernels["measures"] = frequency_bound(has.partnership)
+    kernels["measures"] = frequency_bound(has.partnership, periodic=has.periodic)
     return kernels
 
 

@@ -69,6 +69,9 @@ class Features:
     numerical_damping: bool
     velocity_barrier: bool
     spin_barrier: bool
+    periodic: bool
+    deforming: bool
+    cell_sums: bool
     account: bool
 
 
@@ -83,7 +86,10 @@ def features_of(
     laws = list(table.values())
     moving = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
     how = scene.run.resolved()
-    contacts = bool(laws) and bool(free.any()) and len(placement.shape) > 1
+    crowd = len(placement.shape) > 1 or scene.cell is not None
+    contacts = bool(laws) and bool(free.any()) and crowd
+    deforming = scene.cell is not None and scene.cell.deforms
+    held = scene.cell is not None and bool(scene.cell.stress.components())
     return Features(
         contacts=contacts,
         polyhedra=any(len(shape.vertices) > 1 for shape in used),
@@ -95,6 +101,9 @@ def features_of(
         large=bool((large_bodies(placement, shapes) & ~surface_bodies(placement, shapes)).any()),
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
         driven=bool(moving.any()),
+        periodic=scene.cell is not None,
+        deforming=deforming,
+        cell_sums=deforming and (scene.output.energy or held),
         account=scene.output.energy,
         **_numerics(how, laws),
         **_laws(scene, laws),
@@ -193,6 +202,7 @@ def _is_spherical(shape: Polyhedron) -> bool:
 
 def stage_names(features: Features) -> tuple[str, ...]:
     """The stages of one step, in order."""
+    cell = (*(["stress"] if features.cell_sums else []), *(["cell"] if features.deforming else []))
     if not features.contacts:
-        return ("drift", "kick")
-    return ("drift", "rebuild if moved", "pair forces", "gather and kick")
+        return ("drift", *cell, "kick")
+    return ("drift", "rebuild if moved", "pair forces", *cell, "gather and kick")

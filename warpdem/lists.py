@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
+from warpdem.images import Images, shorten
 from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.matching import carry_history
 from warpdem.kernels.neighbours import find_partners, incidence_keys, incidence_starts
@@ -39,6 +40,7 @@ class Lists:
         born: Step at which they were made.
         generation: Changes whenever an array was replaced by a larger one.
         skin: Distance within which feature pairs are listed now [m].
+        has_images: Pairs have images of a periodic cell.
         spent: Energy lost in dashpots, friction, rolling by pairs of earlier lists [J].
     """
 
@@ -56,6 +58,8 @@ class Lists:
         self.skin = model.skin
         self.born = 0
         self.spent = np.zeros(3)
+        self.has_images = model.features.periodic
+        self._images = Images(model, state) if self.has_images else None
         self.pair_room = 0
         self._candidate_room = 0
         count = model.body_count
@@ -79,6 +83,9 @@ class Lists:
         state = self._state
         wp.copy(state.bodies.listed_position, state.bodies.position)
         wp.copy(state.bodies.listed_orientation, state.bodies.orientation)
+        if self._model.features.deforming:
+            shorten(state, self.pairs, self.pair_count, self._model.periodic)
+            wp.copy(state.cell.listed, state.cell.edges)
         self.settle()
         old = self._keep_old()
         if adapt:
@@ -144,6 +151,7 @@ class Lists:
         pairs = self.pairs
         for name in ("owner", "partner", "material", "touching"):
             setattr(pairs, name, wp.zeros(room, dtype=wp.int32, device=device))
+        pairs.image = wp.zeros(room if self.has_images else 1, dtype=wp.vec3i, device=device)
         pairs.start = wp.zeros(room + 1, dtype=wp.int32, device=device)
         pairs.force = wp.zeros(room, dtype=vec3, device=device)
         pairs.torque = wp.zeros(room, dtype=vec3, device=device)
@@ -184,6 +192,7 @@ class Lists:
         return (
             wp.clone(self._ends),
             wp.clone(pairs.partner[: max(count, 1)]),
+            wp.clone(pairs.image[: max(count, 1)]) if self.has_images else pairs.image,
             wp.clone(pairs.start[: count + 1]),
             wp.clone(candidates.code[: max(length, 1)]),
             wp.clone(candidates.past[: max(length, 1)]),
@@ -209,11 +218,22 @@ class Lists:
         model, bodies = self._model, self._state.bodies
         reach = self.skin + model.reach
         cell = max(2.0 * self._grid_bound + reach, 1e-30)
-        self._grid.build(bodies.position, cell)
+        places = bodies.position
+        if self._images is not None:
+            self._images.wrap(cell)
+            places = self._images.wrapped
+        self._grid.build(places, cell)
         tree = self._large_tree()
         large = tree is not None
+        tree_id = tree.id if tree is not None else 0
 
-        def launch(owner: wp.array, partner: wp.array, *, fill: bool) -> None:
+        def launch(*, fill: bool) -> None:
+            outputs = [self._ends, self.pairs.owner, self.pairs.partner]
+            if self._images is not None:
+                search = (self._grid.id, self._grid_bound, tree_id, self._tree_body)
+                outputs.append(self.pairs.image)
+                self._images.find(search, reach, outputs, fill=fill, large=large)
+                return
             wp.launch(
                 find_partners(fill=fill, large=large, surfaces=model.features.surfaces),
                 dim=model.body_count,
@@ -222,22 +242,22 @@ class Lists:
                     model.inertia,
                     self._grid.id,
                     self._grid_bound,
-                    tree.id if tree is not None else 0,
+                    tree_id,
                     self._tree_body,
                     self._surface_body,
                     reach,
                     bodies,
                 ],
-                outputs=[self._ends, owner, partner],
+                outputs=outputs,
                 device=model.device,
             )
 
-        launch(self.pairs.owner, self.pairs.partner, fill=False)
+        launch(fill=False)
         wp.utils.array_scan(self._ends, self._ends, inclusive=True)
         self.pair_count = int(self._ends[-1:].numpy()[0])
         self._grow_pairs(self.pair_count)
         if self.pair_count:
-            launch(self.pairs.owner, self.pairs.partner, fill=True)
+            launch(fill=True)
         self._link()
 
     def _large_tree(self) -> wp.Bvh | None:
@@ -265,7 +285,8 @@ class Lists:
         rotation = bodies.rotation.numpy()[large]
         middle = geometry.core_middle.numpy()[shape] * scale
         half = geometry.core_half.numpy()[shape] * scale
-        centre = bodies.position.numpy()[large] + np.einsum("bij,bj->bi", rotation, middle)
+        places = bodies.position if self._images is None else self._images.wrapped
+        centre = places.numpy()[large] + np.einsum("bij,bj->bi", rotation, middle)
         extent = np.einsum("bij,bj->bi", np.abs(rotation), half)
         extent = extent + geometry.radius.numpy()[large][:, None]
         return centre - extent, centre + extent
@@ -304,6 +325,7 @@ class Lists:
                     polyhedra=has.polyhedra,
                     trees=has.trees,
                     surfaces=has.surfaces,
+                    periodic=has.periodic,
                 ),
                 dim=count,
                 inputs=[
@@ -311,6 +333,7 @@ class Lists:
                     self.skin + model.reach,
                     self._state.bodies,
                     self.pairs,
+                    self._state.cell,
                 ],
                 outputs=[self.candidates.code, ends],
                 device=model.device,
@@ -328,7 +351,7 @@ class Lists:
             wp.launch(
                 history_kernel(self._model.features),
                 dim=self.pair_count,
-                inputs=[*old, self.pairs],
+                inputs=[*old, self.pairs, self._state.cell],
                 outputs=[self.candidates],
                 device=self._model.device,
             )
@@ -336,4 +359,9 @@ class Lists:
 
 def history_kernel(has: Features) -> wp.Kernel:
     """Kernel that carries what the contacts of a scene remember into new lists."""
-    return carry_history(rolling=has.rolling, shares=has.partnership != "sum", last=has.avalanche)
+    return carry_history(
+        rolling=has.rolling,
+        shares=has.partnership != "sum",
+        last=has.avalanche,
+        periodic=has.periodic,
+    )

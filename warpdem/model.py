@@ -35,6 +35,9 @@ class Model:
         skin_adapts: The scene leaves it to the run.
         reach: Gap up to which some contacts attract [m].
         keep_within: Gap up to which an open contact keeps its history (compat) [m].
+        periodic: Axes along which space repeats itself.
+        cell_size: Edges of the periodic cell at the start [m].
+        solid_volume: Of the free bodies [m^3].
         trees: The feature trees, kept alive here.
     """
 
@@ -55,6 +58,9 @@ class Model:
     skin_adapts: bool
     reach: float
     keep_within: float
+    periodic: tuple[bool, ...]
+    cell_size: tuple[float, ...]
+    solid_volume: float
     trees: tuple[wp.Bvh, ...]
 
     @property

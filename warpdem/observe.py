@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.build import rotate, rotate_back
+from warpdem.periodic import cell_state, flow, shifts
 from warpdem.snapshot import Contacts, Energy, Snapshot
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ def snapshot(
         torque=torque,
         contacts=touching(state, lists, rolling=model.features.rolling) if contacts else None,
         energy=energy,
+        cell=cell_state(model, state, lists, velocity),
     )
 
 
@@ -69,6 +71,11 @@ def _forces(model: Model, state: State, lists: Lists) -> tuple[FloatArray, Float
     force = state.bodies.force.numpy().copy()
     torque = state.bodies.torque.numpy().copy()
     fixed = ~model.free
+    if model.features.deforming:
+        # without what makes the homogeneous flow accelerate
+        x = state.bodies.position.numpy() - state.cell.centre.numpy()[0]
+        mass = np.where(fixed, 0.0, model.mass)
+        force -= mass[:, None] * (x @ state.cell.acceleration.numpy()[0].T)
     force[fixed] = 0.0
     torque[fixed] = 0.0
     pairs = lists.pairs
@@ -111,7 +118,9 @@ def touching(state: State, lists: Lists, *, rolling: bool) -> Contacts:
         bodies=np.column_stack([pairs.owner.numpy()[pair], partner]).astype(np.int32),
         kind=(code >> 58).astype(np.int32),
         features=np.column_stack([(code >> 29) & mask, code & mask]).astype(np.int32),
-        point=candidates.point.numpy()[place] + state.bodies.position.numpy()[partner],
+        point=candidates.point.numpy()[place]
+        + state.bodies.position.numpy()[partner]
+        + shifts(state, lists, pair),
         normal=normal,
         gap=candidates.gap.numpy()[place],
         normal_force=past[:, 3],
@@ -137,6 +146,7 @@ def pair_energies(model: Model, state: State, lists: Lists) -> tuple[IntArray, F
 def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, float]:
     free = model.free
     velocity, spin = velocities(model, state)
+    velocity = velocity - flow(model, state)
     body_spin = rotate_back(_orientation(state), spin)[free]
     mass = model.mass[free]
     kinetic = 0.5 * np.sum(mass[:, None] * velocity[free] ** 2)
@@ -153,6 +163,8 @@ def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -
     lost = lists.spent + lists.since() - 0.5 * dt * lists.power()
     done = state.account.work.numpy()
     work, external = float(done[~model.free].sum()), float(done[model.free].sum())
+    if model.features.deforming:
+        work += float(state.cell.work.numpy()[0])
     place, _ = slots(lists)
     gap = lists.candidates.gap.numpy()[place]
     return Energy(
@@ -172,7 +184,7 @@ def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -
 
 def fault(model: Model, state: State, dt: float) -> tuple[int, str]:
     """The body that flew off first, and how."""
-    speed = np.linalg.norm(state.bodies.velocity.numpy(), axis=1)
+    speed = np.linalg.norm(state.bodies.velocity.numpy() - flow(model, state), axis=1)
     turn = np.linalg.norm(state.bodies.spin.numpy(), axis=1)
     reach = (speed + 0.3 * turn * model.bound) * dt / model.bound
     reach[~model.free] = 0.0

@@ -8,6 +8,7 @@ import numpy as np
 import warp as wp
 
 from warpdem.observe import slots
+from warpdem.periodic import KEPT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,6 +40,8 @@ MEMORY = ("rolled", "share", "last")
 def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
     """Host copies of everything a step depends on."""
     saved = {name: getattr(state.bodies, name).numpy().copy() for name in BODIES}
+    if state.cell.edges is not None:
+        saved |= {f"cell_{name}": getattr(state.cell, name).numpy().copy() for name in KEPT}
     saved["work"] = state.account.work.numpy().copy()
     saved["body_power"] = state.account.body_power.numpy().copy()
     saved["spent"] = lists.spent.copy()
@@ -79,6 +82,7 @@ def put_back(
     bodies = state.bodies
     for name in BODIES:
         getattr(bodies, name).assign(saved[name])
+    _restore_cell(state, saved, edges="cell_listed")
     state.account.work.assign(saved["work"])
     state.account.body_power.assign(saved["body_power"])
     if contacts:
@@ -88,7 +92,16 @@ def put_back(
         _relist(state, lists, saved)
         bodies.position.assign(saved["position"])
         bodies.orientation.assign(saved["orientation"])
+    _restore_cell(state, saved, edges="cell_edges")
     orient()
+
+
+def _restore_cell(state: State, saved: dict[str, np.ndarray], *, edges: str) -> None:
+    """Put back the periodic cell, if there is one, with the edges now or of the lists."""
+    if "cell_edges" in saved:
+        for name in KEPT:
+            getattr(state.cell, name).assign(saved[f"cell_{name}"])
+        state.cell.edges.assign(saved[edges])
 
 
 def _relist(state: State, lists: Lists, saved: dict[str, np.ndarray]) -> None:

@@ -19,11 +19,12 @@ from warpdem.devices import find_device
 from warpdem.errors import UnstableError
 from warpdem.features import features_of, stage_names
 from warpdem.filling.placement import place
+from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.integrate import orient
 from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.precision import real
 from warpdem.lists import Lists
-from warpdem.stages import Stage, after_drift, drift, forces, halt, kick
+from warpdem.stages import Stage, after_drift, cell, cell_drift, drift, forces, halt, kick
 from warpdem.state import cut
 from warpdem.stepper import Stepper, launch
 
@@ -205,14 +206,23 @@ class Simulation:
 
     def _make_stages(self) -> None:
         model, state, lists = self._model, self._state, self._lists
-        self._drift = (drift(model, state, self._whole, self.dt), halt(self._whole))
+        self._drift = (
+            *cell_drift(model, state, self._whole, self.dt),
+            drift(model, state, self._whole, self.dt),
+            halt(self._whole),
+        )
         self._after = after_drift(model, state, lists, self._whole, self.dt)
         self._stepper = Stepper(model, state, lists, self._shares, self.dt)
 
     def _launch(self, *stages: Stage) -> None:
         self._whole.pairs.assign([0, self._lists.pair_count])
         for stage in stages:
-            count = {"bodies": self.body_count, "pairs": self._lists.pair_count, "one": 1}
+            count = {
+                "bodies": self.body_count,
+                "pairs": self._lists.pair_count,
+                "chunks": CHUNKS,
+                "one": 1,
+            }
             launch(stage, count[stage.over], self.device)
 
     def _orient(self) -> None:
@@ -240,16 +250,18 @@ class Simulation:
             state.clock.reach.fill_(float("inf"))
         first = self.features.first_step
         if contacts and first != "gravity":
-            # exaDEM's friction springs are already one step old at time zero
-            since = self.dt if first == "forces" else 0.0
-            self._launch(forces(model, state, lists, whole, since))
-            self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
-            lists.change_step(since, self.dt)
             if first == "forces":
+                # exaDEM's friction springs are already one step old at time zero
+                self._launch(forces(model, state, lists, whole, self.dt))
+                self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
                 state.bodies.torque.zero_()
+            else:
+                self._launch(*after_drift(model, state, lists, whole, 0.0))
+                lists.change_step(0.0, self.dt)
             self._examine_step()
             self._lower_step()
         else:
+            self._launch(*cell(model, state, lists, whole, 0.0, onward=False))
             self._launch(kick(model, state, lists, whole, 0.0, contacts=False))
         self._make_stages()
 
@@ -328,7 +340,7 @@ class Simulation:
         if not lists.pair_count:
             return float("inf")
         wp.launch(
-            frequency_bound(self.features.partnership),
+            frequency_bound(self.features.partnership, periodic=self.features.periodic),
             dim=self.body_count,
             inputs=[
                 model.inertia,
@@ -337,6 +349,7 @@ class Simulation:
                 lists.pairs,
                 lists.candidates,
                 lists.incidence,
+                state.cell,
             ],
             outputs=[self._square],
             device=self.device,

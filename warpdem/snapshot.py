@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     FloatArray = NDArray[np.float64]
@@ -64,6 +65,48 @@ class Energy:
 
 
 @dataclass(frozen=True)
+class CellState:
+    """The periodic cell at one instant; compression is positive.
+
+    Attributes:
+        centre: [m], shape [3].
+        edges: H, its columns are the edges [m], shape [3, 3]; those of a cell that shears far are
+            exchanged for shorter ones, which repeat the same space.
+        periodic: Along which of them space repeats itself.
+        velocity_gradient: L = H' H^-1 [1/s], shape [3, 3].
+        deformation: Gradient of the deformation since the start, shape [3, 3].
+        volume: [m^3].
+        solid_fraction: Volume of the free bodies over that of the cell.
+        contact_stress: Sum of f (x) d over the volume [Pa], shape [3, 3].
+        kinetic_stress: Sum of m c (x) c over the volume, c = v - L x [Pa], shape [3, 3].
+    """
+
+    centre: FloatArray
+    edges: FloatArray
+    periodic: tuple[bool, ...]
+    velocity_gradient: FloatArray
+    deformation: FloatArray
+    volume: float
+    solid_fraction: float
+    contact_stress: FloatArray
+    kinetic_stress: FloatArray
+
+    @property
+    def stress(self) -> FloatArray:
+        """Of contacts and motion together [Pa], shape [3, 3]."""
+        return self.contact_stress + self.kinetic_stress
+
+    def velocity_seen(self, points: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Velocity of the images that ``wrapped`` shows [m/s], shape [n, 3]."""
+        return velocity + (self.wrapped(points) - points) @ self.velocity_gradient.T
+
+    def wrapped(self, points: FloatArray) -> FloatArray:
+        """The same points as seen in the cell [m], shape [n, 3]."""
+        s = (points - self.centre) @ np.linalg.inv(self.edges).T
+        return points - (np.floor(s + 0.5) * np.array(self.periodic)) @ self.edges.T
+
+
+@dataclass(frozen=True)
 class Snapshot:
     """State of all bodies at one instant.
 
@@ -78,7 +121,9 @@ class Snapshot:
         force: Resultant contact and body force [N], shape [body_count, 3].
         torque: Resultant torque about the centre of mass, world [N m], shape [body_count, 3].
         contacts: The touching sub-contacts, when asked for.
-        energy: The energy account, when the scene keeps one.
+        energy: The energy account, when the scene keeps one; its kinetic energy is that of the
+            motion against the homogeneous flow of a periodic cell.
+        cell: The periodic cell, when there is one; positions are not wrapped into it.
     """
 
     time: float
@@ -91,3 +136,4 @@ class Snapshot:
     torque: FloatArray
     contacts: Contacts | None = None
     energy: Energy | None = None
+    cell: CellState | None = None

@@ -6,6 +6,7 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from warpdem.kernels.cell import drift_cell, kick_cell, sum_stress
 from warpdem.kernels.external import Forces
 from warpdem.kernels.forces import pair_forces
 from warpdem.kernels.integrate import drift as drift_kernel
@@ -46,7 +47,7 @@ class Stage:
 
     name: str
     kernel: wp.Kernel
-    over: Literal["bodies", "pairs", "one"]
+    over: Literal["bodies", "pairs", "chunks", "one"]
     arguments: tuple[Any, ...]
 
 
@@ -59,12 +60,14 @@ def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
         driven=has.driven,
         contacts=has.contacts,
         surfaces=has.surfaces,
+        deforming=has.deforming,
     )
     arguments = (
         model.geometry,
         model.inertia,
         dt,
         share.bodies,
+        state.cell,
         state.bodies,
         share.clock,
     )
@@ -87,6 +90,7 @@ def forces(model: Model, state: State, lists: Lists, share: Share, dt: float) ->
         share.pairs,
         state.bodies,
         share.clock,
+        state.cell,
         lists.pairs,
         lists.candidates,
         state.account,
@@ -101,7 +105,13 @@ def kick(
     has = model.features
     torque = free_torque if has.rotation == "no_squish" else taylor_torque
     account = has.account and has.driven
-    kernel = kick_kernel(torque, forces_on_bodies(has), contacts=contacts, account=account)
+    kernel = kick_kernel(
+        torque,
+        forces_on_bodies(has),
+        contacts=contacts,
+        account=account,
+        deforming=has.deforming,
+    )
     arguments = (
         model.inertia,
         vec3(*model.gravity),
@@ -111,10 +121,50 @@ def kick(
         lists.pairs,
         lists.incidence,
         share.clock,
+        state.cell,
         state.bodies,
         state.account,
     )
     return Stage("gather and kick", kernel, "bodies", arguments)
+
+
+def cell_drift(model: Model, state: State, share: Share, dt: float) -> tuple[Stage, ...]:
+    """Begin a step of the cell, where it deforms."""
+    if not model.features.deforming:
+        return ()
+    return (Stage("cell drift", drift_cell, "one", (dt, share.clock, state.cell)),)
+
+
+def cell(
+    model: Model, state: State, lists: Lists, share: Share, dt: float, *, onward: bool
+) -> tuple[Stage, ...]:
+    """End a step of the cell, where it deforms, and begin the next one.
+
+    The first host thread does it for all: they meet when the stresses are summed, and again when
+    the cell has its new motion.
+    """
+    has = model.features
+    if not has.deforming:
+        return ()
+    waits = (meet(share),) if share.members > 1 else ()
+    stages: list[Stage] = []
+    if has.cell_sums:
+        arguments = (
+            model.inertia,
+            model.body_count,
+            share.chunks,
+            state.bodies,
+            lists.pairs,
+            lists.incidence,
+            share.clock,
+            state.cell,
+        )
+        kernel = sum_stress(predicted=has.predicted)
+        stages = [Stage("stress", kernel, "chunks", arguments), *waits]
+    if share.member == 0:
+        kernel = kick_cell(sums=has.cell_sums, onward=onward)
+        stages.append(Stage("cell", kernel, "one", (dt, share.clock, state.cell)))
+    return (*stages, *waits)
 
 
 def meet(share: Share) -> Stage:
@@ -143,15 +193,16 @@ def _rotate(has: Features) -> wp.Function:
 
 
 def after_drift(
-    model: Model, state: State, lists: Lists, share: Share, dt: float
+    model: Model, state: State, lists: Lists, share: Share, dt: float, *, onward: bool = False
 ) -> tuple[Stage, ...]:
-    """The stages of a step that follow its drift."""
+    """The stages of a step that follow its drift; ``onward`` the cell drifts into the next one."""
     contacts = model.features.contacts
     kicked = kick(model, state, lists, share, dt, contacts=contacts)
+    deformed = cell(model, state, lists, share, dt, onward=onward)
     if not contacts:
-        return (kicked,)
+        return (*deformed, kicked)
     waits = (meet(share),) if share.members > 1 else ()
-    return (forces(model, state, lists, share, dt), *waits, kicked)
+    return (forces(model, state, lists, share, dt), *waits, *deformed, kicked)
 
 
 def cycle(model: Model, state: State, lists: Lists, share: Share, dt: float) -> tuple[Stage, ...]:
@@ -161,7 +212,7 @@ def cycle(model: Model, state: State, lists: Lists, share: Share, dt: float) -> 
     """
     waits = (meet(share),) if share.members > 1 else ()
     return (
-        *after_drift(model, state, lists, share, dt),
+        *after_drift(model, state, lists, share, dt, onward=True),
         drift(model, state, share, dt),
         *waits,
         halt(share),

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import warp as wp
 
+from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.meeting import LINE
 from warpdem.kernels.precision import mat33, quat, real, vec3, vec4
-from warpdem.kernels.views import Account, Bodies, Clock
+from warpdem.kernels.views import Account, Bodies, Cell, Clock
 
 
 @dataclass(frozen=True)
@@ -22,14 +23,16 @@ class State:
             ``arm`` has shape [total vertex count of all bodies].
         clock: Flags and the step counter, shape [1] each.
         account: Energy bookkeeping; ``pair`` is owned by the lists.
+        cell: The periodic cell; without arrays where the scene has none.
     """
 
     bodies: Bodies
     clock: Clock
     account: Account
+    cell: Cell
 
 
-def allocate(device: Any, body_count: int, arm_count: int, *, account: bool) -> State:
+def allocate(device: Any, body_count: int, arm_count: int, cell: Cell, *, account: bool) -> State:
     """A state of zeros."""
 
     def zeros(dtype: Any, count: int = body_count) -> wp.array:
@@ -54,7 +57,7 @@ def allocate(device: Any, body_count: int, arm_count: int, *, account: bool) -> 
     energy.work = zeros(real, kept)
     energy.pair = zeros(vec4, 1)
     energy.power = zeros(vec4, 1)
-    return State(bodies, clock, energy)
+    return State(bodies, clock, energy, cell)
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ class Share:
 
     Attributes:
         member, members: Which thread of how many.
-        bodies, pairs: First and last + 1, shape [2] each.
+        bodies, pairs, chunks: First and last + 1, shape [2] each.
         clock: Shared flags, own counters.
         arrived: Counters of the meetings of all threads, shape [members * LINE].
     """
@@ -72,6 +75,7 @@ class Share:
     members: int
     bodies: wp.array
     pairs: wp.array
+    chunks: wp.array
     clock: Clock
     arrived: wp.array
 
@@ -79,6 +83,7 @@ class Share:
 def cut(state: State, body_count: int, members: int, device: Any) -> list[Share]:
     """Shares of ``members`` host threads; the first one has the state's own clock."""
     cuts = np.linspace(0, body_count, members + 1).astype(np.int32)
+    parts = np.linspace(0, CHUNKS, members + 1).astype(np.int32)
     arrived = wp.zeros(members * LINE, dtype=wp.int32, device=device)
     shares = []
     for member in range(members):
@@ -91,5 +96,6 @@ def cut(state: State, body_count: int, members: int, device: Any) -> list[Share]
             clock.steps = wp.zeros(1, dtype=wp.int32, device=device)
         bodies = wp.array(cuts[member : member + 2], dtype=wp.int32, device=device)
         pairs = wp.zeros(2, dtype=wp.int32, device=device)
-        shares.append(Share(member, members, bodies, pairs, clock, arrived))
+        chunks = wp.array(parts[member : member + 2], dtype=wp.int32, device=device)
+        shares.append(Share(member, members, bodies, pairs, chunks, clock, arrived))
     return shares

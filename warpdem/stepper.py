@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
+from warpdem.kernels.cell import CHUNKS
 from warpdem.stages import Stage, cycle
 
 if TYPE_CHECKING:
@@ -93,7 +94,12 @@ class Stepper:
         return capture.graph
 
     def _launch(self, stage: Stage, over: str) -> None:
-        room = {"bodies": self._model.body_count, "pairs": self._lists.pair_room, "one": 1}
+        room = {
+            "bodies": self._model.body_count,
+            "pairs": self._lists.pair_room,
+            "chunks": CHUNKS,
+            "one": 1,
+        }
         launch(stage, room[over], self._model.device)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.checks import doubts
+from warpdem.checks.cell import spanning_axes
 from warpdem.checks.custom_laws import check_custom_laws
 from warpdem.checks.overlap import overlaps_at_start
 from warpdem.checks.report import Report, ShapeLine
@@ -57,8 +58,9 @@ def check(scene: Scene) -> Report:
     placement = place(scene, polyhedra)
     step, problems = _step(scene, placement, polyhedra)
     features = features_of(scene, placement, polyhedra)
+    problems = [*problems, *_wall_problems(scene, placement, polyhedra)]
     mass = masses(placement, polyhedra)[0]
-    start = overlaps_at_start(placement, polyhedra)
+    start = overlaps_at_start(placement, polyhedra, scene.cell)
     near = f"bounding spheres that overlap at the start: {start.near} (pairs of bodies)"
     return Report(
         file=str(scene.source or "scene"),
@@ -79,6 +81,16 @@ def check(scene: Scene) -> Report:
         warnings=(*doubts.all_of(scene, placement, polyhedra, step), *start.warnings),
         problems=tuple(problems),
     )
+
+
+def _wall_problems(
+    scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
+) -> list[Problem]:
+    try:
+        spanning_axes(scene, placement, polyhedra)
+    except SceneError as error:
+        return error.problems
+    return []
 
 
 def build_shapes(scene: Scene) -> dict[str, Polyhedron]:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpdem.checks.cell import cell_frequency
 from warpdem.checks.timestep import masses
+from warpdem.filling.placement import first_flow
 from warpdem.input.scene_references import meeting_groups
 
 if TYPE_CHECKING:
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
 
 SOFT = 0.05
 """Overlap under a body's own weight, or at impact, worth a warning, in bounding radii."""
+
+LIGHT = 0.1
+"""Part of a radian of the cell's own swing in one step worth a warning."""
 
 LONG = 1e9
 """Number of steps worth a warning."""
@@ -39,6 +44,7 @@ def all_of(
         *_slippery(scene),
         *_steps(scene, step),
         *_soft(scene, placement, polyhedra, radii),
+        *_light_cell(scene, placement, polyhedra, step),
     )
 
 
@@ -80,7 +86,7 @@ def _soft(
     """Contacts that weight or impact would press in deeply, each law by its worst body."""
     mass = masses(placement, polyhedra)[0]
     gravity = float(np.linalg.norm(scene.gravity.vector))
-    speed = np.linalg.norm(placement.velocity, axis=1)
+    speed = np.linalg.norm(placement.velocity - first_flow(scene, placement), axis=1)
     table = scene.contact_table(placement.groups)
     for pair in meeting_groups(scene):
         groups = [placement.groups.index(name) for name in pair if name in placement.groups]
@@ -99,3 +105,19 @@ def _soft(
                     f'contacts of "{pair[0]}" and "{pair[1]}": kn = {kn:g} N/m lets "{name}" sink '
                     f"in by {share[worst]:.2g} times its radius {cause}"
                 )
+
+
+def _light_cell(
+    scene: Scene,
+    placement: Placement,
+    polyhedra: Mapping[str, Polyhedron],
+    step: TimeStep | None,
+) -> Iterator[str]:
+    """A cell whose own swing on a dense packing the step does not resolve."""
+    if step and scene.cell and scene.cell.stress.components():
+        turn = step.dt * cell_frequency(scene, placement, polyhedra)
+        if turn > LIGHT:
+            yield (
+                f"cell.inertia: the cell swings on a dense packing by {turn:.2g} rad in one step; "
+                f"raise it {(turn / LIGHT) ** 2:.2g} times, or lower run.dt"
+            )

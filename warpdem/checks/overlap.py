@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from warpdem.features import large_bodies, surface_bodies
+from warpdem.filling.repeat import Repeat
 from warpdem.geometry.orientation import matrix
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from warpdem.arrays import BoolArray, FloatArray, IntArray
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
+    from warpdem.input.scene_cell import Cell
 
 DEEP = 0.1
 """Overlap at the start worth a warning, in radii of the smaller ball."""
@@ -49,12 +51,14 @@ class AtStart(NamedTuple):
     near: int
 
 
-def overlaps_at_start(placement: Placement, polyhedra: Mapping[str, Polyhedron]) -> AtStart:
-    """The bodies of a placed scene that overlap: exact for two balls."""
+def overlaps_at_start(
+    placement: Placement, polyhedra: Mapping[str, Polyhedron], cell: Cell | None = None
+) -> AtStart:
+    """The bodies of a placed scene that overlap, or images of them: exact for two balls."""
     shapes = list(polyhedra.values())
     bound = np.array([shape.bound for shape in shapes])[placement.shape] * placement.scale
     small = np.flatnonzero(~large_bodies(placement, shapes))
-    found = overlaps(placement.position[small], bound[small], placement.fixed[small])
+    found = _with_images(placement.position[small], bound[small], placement.fixed[small], cell)
     pairs = small[found.pairs]
     ball = np.array([len(shape.vertices) == 1 for shape in shapes], dtype=bool)[placement.shape]
     exact = ball[pairs].all(axis=1)
@@ -89,6 +93,27 @@ def _beyond_surfaces(
         if len(deep) > NAMED:
             warnings.append(f"{len(deep) - NAMED} more bodies overlap such a surface")
     return warnings
+
+
+def _with_images(
+    centres: FloatArray, radii: FloatArray, fixed: BoolArray, cell: Cell | None
+) -> Overlaps:
+    """Pairs that overlap, each once though it may do so in several images."""
+    if cell is None or not len(radii):
+        return overlaps(centres, radii, fixed)
+    repeat = Repeat(cell)
+    centres = repeat.wrapped(centres)
+    reach = 2.0 * radii.max()
+    low, high = centres.min(axis=0) - reach, centres.max(axis=0) + reach
+    places, whose = repeat.with_images(centres, low, high)
+    found = overlaps(places, radii[whose], fixed[whose])
+    # of two images the pair is counted where one of them is the body itself
+    own = (found.pairs < len(radii)).any(axis=1)
+    pairs = np.sort(whose[found.pairs[own]], axis=1)
+    order = np.argsort(-found.depths[own], kind="stable")
+    _, first = np.unique(pairs[order], axis=0, return_index=True)
+    chosen = order[np.sort(first)]
+    return Overlaps(pairs[chosen].astype(np.int32), found.depths[own][chosen])
 
 
 def _named(placement: Placement, pair: IntArray, depth: float) -> str:

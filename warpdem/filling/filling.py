@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from warpdem.arrays import BoolArray, FloatArray, IntArray
+    from warpdem.filling.repeat import Repeat
     from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.input.scene_fill import Fill
 
@@ -45,6 +46,7 @@ def filled(
     shapes: Mapping[str, Polyhedron],
     generator: np.random.Generator,
     blocked: Callable[[FloatArray, FloatArray], BoolArray],
+    repeat: Repeat,
 ) -> Filled:
     """Bodies of a fill whose bounding spheres meet neither one another nor what is there.
 
@@ -53,24 +55,26 @@ def filled(
         shapes: All shapes by name.
         generator: Source of randomness.
         blocked: Says which balls, by centres and radii, meet bodies that are there.
+        repeat: Periods of space.
     """
     low, high = np.array(fill.region.min), np.array(fill.region.max)
     count = fill.count
     sites = np.zeros((0, 3))
     if count is None:
         reach = largest(fill.size) * max(shapes[name].bound for name in fill.shapes)
-        sites = lattice(low, high, reach, fill.spacing)
+        sites = lattice(low, high, reach, fill.spacing, repeat)
         count = len(sites)
     shape, scale, radius = _kinds(fill, shapes, generator, count)
     orientation = _orientations(fill, shapes, generator, shape)
     if fill.kind == "random":
-        position, placed = random_places(generator, low, high, radius, blocked)
+        position, placed = random_places(generator, low, high, radius, blocked, repeat)
         chosen = np.flatnonzero(placed)
         position = position[chosen]
     else:
         if fill.count is not None and count:
-            sites = lattice(low, high, float(radius.max()), fill.spacing)
-        position = sites[~blocked(sites, np.full(len(sites), radius.max(initial=0.0)))][:count]
+            sites = lattice(low, high, float(radius.max()), fill.spacing, repeat)
+        met = repeat.touched(blocked, sites, np.full(len(sites), radius.max(initial=0.0)))
+        position = sites[~met][:count]
         chosen = np.arange(len(position))
     return Filled(
         shape[chosen], scale[chosen], position, orientation[chosen], radius[chosen], count

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from warpdem.errors import SceneError
 from warpdem.filling.clearance import Elements, Obstacle, SurfaceObstacle
 from warpdem.filling.filling import Filled, filled
+from warpdem.filling.repeat import Repeat
 from warpdem.filling.scatter import Balls
 from warpdem.filling.sizes import largest
 from warpdem.geometry.orientation import product, turned
@@ -76,10 +77,11 @@ def place(scene: Scene, shapes: Mapping[str, Polyhedron]) -> Placement:
     given = _given(scene, shapes, groups)
     elements: dict[str, Elements] = {}
     parts, fills, notes = [given], [], []
+    repeat = Repeat(scene.cell)
     for index, fill in enumerate(scene.fill):
         seed = scene.run.seed + index if fill.seed is None else fill.seed
-        blocked = _Blocked(given, fills, shapes, elements, _reach(fill, shapes))
-        made = filled(fill, shapes, np.random.default_rng(seed), blocked)
+        blocked = _Blocked(given, fills, shapes, elements, _reach(fill, shapes), repeat)
+        made = filled(fill, shapes, np.random.default_rng(seed), blocked, repeat)
         fills.append(made)
         parts.append(_generated(scene, index, made, groups))
         if len(made.shape) < made.wanted:
@@ -90,7 +92,21 @@ def place(scene: Scene, shapes: Mapping[str, Polyhedron]) -> Placement:
                 problems.append(problem_at(scene, ("fill", index, "count"), rule, fill.count))
     if problems:
         raise SceneError(str(scene.source or "scene"), problems)
-    return _joined(parts, groups, notes)
+    return _flowing(scene, _joined(parts, groups, notes))
+
+
+def _flowing(scene: Scene, placement: Placement) -> Placement:
+    """The bodies with the homogeneous flow of a cell that deforms from the start."""
+    return replace(placement, velocity=placement.velocity + first_flow(scene, placement))
+
+
+def first_flow(scene: Scene, placement: Placement) -> FloatArray:
+    """Velocity of the homogeneous flow at each free body at the start, shape [body_count, 3]."""
+    cell = scene.cell
+    if cell is None or cell.start > 0.0:
+        return np.zeros_like(placement.position)
+    flow = (placement.position - np.array(cell.centre)) @ np.array(cell.strain_rate).T
+    return np.where(placement.fixed[:, None], 0.0, flow)
 
 
 def _massless(scene: Scene, shapes: Mapping[str, Polyhedron]) -> list[Problem]:
@@ -204,6 +220,7 @@ class _Blocked:
         shapes: Mapping[str, Polyhedron],
         elements: dict[str, Elements],
         reach: float,
+        repeat: Repeat,
     ) -> None:
         names = list(shapes)
         bound = np.array([shape.bound for shape in shapes.values()])[given.shape] * given.scale
@@ -211,7 +228,7 @@ class _Blocked:
         small = (bound <= reach) & ~infinite[given.shape]
         self._reach = reach
         self._balls = Balls()
-        self._balls.add(given.position[small], bound[small])
+        self._balls.add(repeat.wrapped(given.position[small]), bound[small])
         for made in fills:
             self._balls.add(made.position, made.radius)
         self._obstacles: list[Obstacle | SurfaceObstacle] = []

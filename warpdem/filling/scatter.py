@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.filling.ballgrid import BallGrid
+from warpdem.filling.repeat import Repeat
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -66,7 +67,13 @@ class _Layer:
         return touched
 
 
-def lattice(low: FloatArray, high: FloatArray, radius: float, spacing: float) -> FloatArray:
+def lattice(
+    low: FloatArray,
+    high: FloatArray,
+    radius: float,
+    spacing: float,
+    repeat: Repeat | None = None,
+) -> FloatArray:
     """Sites of a simple cubic lattice of balls inside a box, x fastest, from its lowest corner.
 
     Args:
@@ -74,6 +81,7 @@ def lattice(low: FloatArray, high: FloatArray, radius: float, spacing: float) ->
         high: Highest corner [m], shape [3].
         radius: Of the balls [m].
         spacing: Clear distance between neighbours [m].
+        repeat: Periods of space; along an axis that the box spans the sites go round evenly.
 
     Returns:
         Centres, shape [site_count, 3].
@@ -91,6 +99,14 @@ def lattice(low: FloatArray, high: FloatArray, radius: float, spacing: float) ->
         + np.minimum(pitch, max(free[axis], 0.0) / max(1, steps[axis])) * np.arange(steps[axis] + 1)
         for axis in range(3)
     )
+    around = (repeat or Repeat()).spans(low, high)
+    count = np.floor((high - low) / pitch + 1e-6).astype(np.int64)
+    x, y, z = (
+        low[axis] + (high - low)[axis] * (np.arange(count[axis]) + 0.5) / max(1, count[axis])
+        if around[axis]
+        else line
+        for axis, line in enumerate((x, y, z))
+    )
     sites = np.stack(np.meshgrid(z, y, x, indexing="ij"), axis=-1).reshape(-1, 3)
     return sites[:, ::-1]
 
@@ -101,6 +117,7 @@ def random_places(
     high: FloatArray,
     radii: FloatArray,
     blocked: Blocked,
+    repeat: Repeat | None = None,
 ) -> tuple[FloatArray, BoolArray]:
     """Random places in a box for balls, the largest first, none meeting another.
 
@@ -113,29 +130,36 @@ def random_places(
         high: Highest corner [m], shape [3].
         radii: Of the balls [m], shape [ball_count].
         blocked: Says which balls, by centres and radii, meet something else.
+        repeat: Periods of space; along an axis that the box spans centres lie anywhere in it.
 
     Returns:
         Centres, shape [ball_count, 3], and whether each ball has a place, shape [ball_count].
     """
     centres = np.zeros((len(radii), 3))
     placed = np.zeros(len(radii), bool)
-    fits = 2.0 * radii <= (high - low).min()
+    repeat = repeat or Repeat()
+    inset = np.where(repeat.spans(low, high), 0.0, 1.0)
+    room = np.where(inset > 0.0, high - low, np.inf)
+    fits = (2.0 * radii <= room.min()) & repeat.wide_enough(radii)
     order = np.argsort(-radii, kind="stable")
     order = order[fits[order]]
     balls = Balls()
     # balls of a size within a factor two take their turn together
     octave = np.floor(np.log2(radii[order] / radii[order].max(initial=1e-300)))
     for group in np.split(order, np.flatnonzero(np.diff(octave)) + 1):
-        region, result = (low, high), (centres, placed)
-        _scatter(generator, region, radii, group, result=result, balls=balls, blocked=blocked)
+        region, result = (low, high, inset), (centres, placed)
+        _scatter(
+            generator, region, radii, group, repeat, result=result, balls=balls, blocked=blocked
+        )
     return centres, placed
 
 
 def _scatter(
     generator: np.random.Generator,
-    box: tuple[FloatArray, FloatArray],
+    box: tuple[FloatArray, FloatArray, FloatArray],
     radii: FloatArray,
     group: IntArray,
+    repeat: Repeat,
     *,
     result: tuple[FloatArray, BoolArray],
     balls: Balls,
@@ -150,25 +174,32 @@ def _scatter(
         tries = np.repeat(group, max(1, share))
         budget -= len(tries)
         reach = radii[tries]
-        low, high = box[0] + reach[:, None], box[1] - reach[:, None]
+        inset = reach[:, None] * box[2]
+        low, high = box[0] + inset, box[1] - inset
         where = low + generator.random((len(tries), 3)) * (high - low)
-        free = np.flatnonzero(~balls.touched(where, reach, largest))
-        free = free[~blocked(where[free], reach[free])]
+        met = repeat.touched(lambda c, r: balls.touched(c, r, largest), where, reach)
+        free = np.flatnonzero(~met)
+        free = free[~repeat.touched(blocked, where[free], reach[free])]
         _, first = np.unique(tries[free], return_index=True)
         free = free[np.sort(first)]
-        free = free[_undisputed(where[free], reach[free])]
+        free = free[_undisputed(where[free], reach[free], repeat)]
         chosen = tries[free]
         centres[chosen], placed[chosen] = where[free], True
         balls.add(where[free], reach[free])
         group = group[~placed[group]]
 
 
-def _undisputed(centres: FloatArray, radii: FloatArray) -> BoolArray:
+def _undisputed(centres: FloatArray, radii: FloatArray, repeat: Repeat) -> BoolArray:
     """Balls that meet none before them in the row, shape [n]."""
     undisputed = np.ones(len(radii), bool)
     if len(radii) > 1:
-        later, earlier = BallGrid(centres, radii + radii.max()).near(centres)
-        later, earlier = later[earlier < later], earlier[earlier < later]
-        distance = np.linalg.norm(centres[later] - centres[earlier], axis=1)
+        most = 2.0 * radii.max()
+        low, high = centres.min(axis=0) - most, centres.max(axis=0) + most
+        places, whose = repeat.with_images(centres, low, high)
+        later, image = BallGrid(places, radii[whose] + radii.max()).near(centres)
+        before = whose[image] < later
+        later, image = later[before], image[before]
+        distance = np.linalg.norm(centres[later] - places[image], axis=1)
+        earlier = whose[image]
         undisputed[later[distance < (radii[later] + radii[earlier]) * _APART]] = False
     return undisputed

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from warpdem.input.consistency_cell import CELL_RULES
 from warpdem.input.contact_rules import attraction, dashpot, laws_of_their_own, programs
 from warpdem.input.rules_force import forces
 from warpdem.input.rules_surface import containers, surfaces_stand
@@ -166,6 +167,7 @@ RULES = (
     fills,
     regions,
     sizes,
+    *CELL_RULES,
 )
 
 

@@ -8,6 +8,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from warpdem.input.consistency import consistency
+from warpdem.input.scene_cell import Cell
 from warpdem.input.scene_contact import Contact
 from warpdem.input.scene_fill import Fill
 from warpdem.input.scene_force import Force
@@ -120,6 +121,9 @@ class Scene(Section):
 
     gravity: Gravity = Gravity()
     """[gravity]: on by default, along -z."""
+
+    cell: Cell | None = None
+    """[cell]: space repeats itself; default: it is open."""
 
     shape: Annotated[tuple[Shape, ...], Field(strict=False)] = ()
     """[[shape]]: the solids, by name."""

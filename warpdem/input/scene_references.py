@@ -98,14 +98,18 @@ def _population(scene: Any) -> dict[str, tuple[int, int]]:
 
 
 def meeting_groups(scene: Any) -> list[tuple[str, str]]:
-    """Pairs of groups of which two bodies, not both fixed, exist; each pair once, sorted."""
+    """Pairs of groups of which two bodies, not both fixed, exist; each pair once, sorted.
+
+    In a periodic cell a body may meet its own image.
+    """
     population = _population(scene)
+    alone = 1 if read(scene, "cell") is None else 0
     names = list(population)
     return [
         (a, b)
         for place, a in enumerate(names)
         for b in names[place:]
-        if (population[a][0] or population[b][0]) and (a != b or sum(population[a]) > 1)
+        if (population[a][0] or population[b][0]) and (a != b or sum(population[a]) > alone)
     ]
 
 

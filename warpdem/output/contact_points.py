@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
 
-    from warpdem.snapshot import Contacts
+    from warpdem.snapshot import CellState, Contacts
 
 
-def grid(contacts: Contacts) -> vtkUnstructuredGrid:
-    """Contact points with what acts there.
+def grid(contacts: Contacts, cell: CellState | None = None) -> vtkUnstructuredGrid:
+    """Contact points, wrapped into a periodic cell, with what acts there.
 
     Point data: ``normal`` from body j to i; ``fn`` along it, positive repels [N]; ``ft`` on i [N];
     ``force`` on i, both together [N]; ``gap``, negative in overlap [m]; ``bodies`` i, j; ``kind``,
@@ -29,4 +29,5 @@ def grid(contacts: Contacts) -> vtkUnstructuredGrid:
         "bodies": contacts.bodies,
         "kind": contacts.kind,
     }
-    return vtu.vertices(contacts.point, data)
+    point = contacts.point if cell is None else cell.wrapped(contacts.point)
+    return vtu.vertices(point, data)

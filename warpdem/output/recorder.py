@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.errors import OutputError
+from warpdem.output import cell_box, contact_points
 from warpdem.output import checkpoint as checkpoints
-from warpdem.output import contact_points
+from warpdem.output.cell_table import CELL_COLUMNS, cell_row
 from warpdem.output.series import Series
 from warpdem.output.surfaces import Surfaces
 from warpdem.output.table import (
@@ -36,7 +37,8 @@ if TYPE_CHECKING:
 
 TRAJECTORY = "trajectory.csv"
 ENERGY = "energy.csv"
-COLUMNS = {TRAJECTORY: TRAJECTORY_COLUMNS, ENERGY: ENERGY_COLUMNS}
+CELL = "cell.csv"
+COLUMNS = {TRAJECTORY: TRAJECTORY_COLUMNS, ENERGY: ENERGY_COLUMNS, CELL: CELL_COLUMNS}
 
 
 class Recorder:
@@ -49,6 +51,7 @@ class Recorder:
         placement: The bodies.
         writer: The thread that does it, in the order of the calls.
         start: The checkpoint the run resumes from: the files are cut back to it.
+        cell: There is a periodic cell.
 
     Raises:
         OutputError: A file cannot be opened, or is not the one the checkpoint belongs to.
@@ -62,10 +65,13 @@ class Recorder:
         placement: Placement,
         writer: Writer,
         start: Checkpoint | None = None,
+        *,
+        cell: bool = False,
     ) -> None:
         self._folder = folder
         self._output = output
         self._writer = writer
+        self._cell = cell
         self._times = dict(start.frame_times) if start else {}
         self._lengths = dict(start.table_lengths) if start else {}
         self._surfaces = Surfaces(polyhedra, placement) if output.surface else None
@@ -101,11 +107,15 @@ class Recorder:
             table.close()
 
     def _stems(self) -> list[str]:
-        wanted = {"bodies": self._output.surface, "contacts": self._output.contacts}
+        wanted = {
+            "bodies": self._output.surface,
+            "cell": self._output.surface and self._cell,
+            "contacts": self._output.contacts,
+        }
         return [stem for stem, is_wanted in wanted.items() if is_wanted]
 
     def _table_names(self) -> list[str]:
-        wanted = {TRAJECTORY: self._output.table, ENERGY: self._output.energy}
+        wanted = {TRAJECTORY: self._output.table, ENERGY: self._output.energy, CELL: self._cell}
         return [name for name, is_wanted in wanted.items() if is_wanted]
 
     def _open_series(self, stem: str) -> Series:
@@ -120,12 +130,16 @@ class Recorder:
     def _write(self, snapshot: Snapshot) -> None:
         if self._surfaces:
             self._frame("bodies", snapshot, self._surfaces.grid(snapshot, self._output.fields))
+            if snapshot.cell:
+                self._frame("cell", snapshot, cell_box.grid(snapshot.cell))
         if self._output.contacts and snapshot.contacts:
-            self._frame("contacts", snapshot, contact_points.grid(snapshot.contacts))
+            self._frame("contacts", snapshot, contact_points.grid(snapshot.contacts, snapshot.cell))
         if self._output.table:
             self._tables[TRAJECTORY].append(self._trajectory.rows(snapshot))
         if self._output.energy and snapshot.energy:
             self._tables[ENERGY].append(energy_row(snapshot.time, snapshot.energy))
+        if self._cell and snapshot.cell:
+            self._tables[CELL].append(cell_row(snapshot.time, snapshot.cell))
 
     def _frame(self, stem: str, snapshot: Snapshot, grid: vtkUnstructuredGrid) -> None:
         from warpdem.output import vtu  # noqa: PLC0415 - loads VTK

@@ -70,20 +70,31 @@ class Surfaces:
     def points(self, snapshot: Snapshot) -> NDArray[np.floating]:
         """Corners of all surfaces at one instant, world [m], shape [point_count, 3]."""
         parts = []
+        position = self._drawn(snapshot)
         for members, corners in zip(self._members, self._corners, strict=True):
             turned = corners @ matrix(snapshot.orientation[members]).swapaxes(1, 2)
             turned *= self._placement.scale[members, None, None]
-            turned += snapshot.position[members, None]
+            turned += position[members, None]
             parts.append(turned.reshape(-1, 3))
         return np.concatenate(parts).astype(
             np.float32 if self._is_single else np.float64, copy=False
         )
 
+    def _drawn(self, snapshot: Snapshot) -> FloatArray:
+        """Where centres are shown [m]: moving bodies with their centre in a periodic cell."""
+        if snapshot.cell is None:
+            return snapshot.position
+        still = self._placement.fixed[:, None]
+        return np.where(still, snapshot.position, snapshot.cell.wrapped(snapshot.position))
+
     def fields(self, snapshot: Snapshot, names: Sequence[str]) -> dict[str, NDArray[Any]]:
         """Values of the bodies at each of their polygons, by name; numbers in single precision."""
+        velocity = snapshot.velocity
+        if snapshot.cell is not None:
+            velocity = snapshot.cell.velocity_seen(snapshot.position, velocity)
         values = self._constant | {
-            "speed": np.linalg.norm(snapshot.velocity, axis=1),
-            "velocity": snapshot.velocity,
+            "speed": np.linalg.norm(velocity, axis=1),
+            "velocity": velocity,
             "spin": snapshot.spin,
             "force": snapshot.force,
         }

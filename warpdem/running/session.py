@@ -91,6 +91,7 @@ class Session:
             simulation.placement,
             writer,
             self.start,
+            cell=self.scene.cell is not None,
         )
         try:
             with writer:
