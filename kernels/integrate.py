@@ -7,10 +7,11 @@ A step is: half kick and drift (``drift``), forces, half kick (``kick``). Tucker
 import functools
 
 import warp as wp
+from warpdem.kernels.driving import follow, respond
 from warpdem.kernels.precision import mat33, real, vec3
-from warpdem.kernels.rotation import arc, exponential
+from warpdem.kernels.rotation import arc
 from warpdem.kernels.variant import inlined, plain, variant
-from warpdem.kernels.views import Account, Bodies, Clock, Geometry, Incidence, Inertia, Pairs
+from warpdem.kernels.views import Account, Bodies, Clock, Drives, Geometry, Incidence, Inertia, Pairs
 
 
 @wp.func
@@ -61,8 +62,17 @@ def orient(
 
 
 @functools.cache
-def drift(rotate: wp.Function, *, predicted: bool, driven: bool, contacts: bool) -> wp.Kernel:
+def drift(
+    rotate: wp.Function,
+    *,
+    predicted: bool,
+    driven: bool,
+    controlled: bool,
+    stepwise: bool,
+    contacts: bool,
+) -> wp.Kernel:
     """Kernel of the first half kick and the drift; ``rotate`` is a drift of kernels.rotation."""
+    follow_drives = follow(controlled=controlled, stepwise=stepwise)
 
     @variant
     def drift(
@@ -73,6 +83,7 @@ def drift(rotate: wp.Function, *, predicted: bool, driven: bool, contacts: bool)
         dt: real,
         span: wp.array(dtype=wp.int32),
         # in and out
+        drives: Drives,
         bodies: Bodies,
         # out
         clock: Clock,
@@ -84,9 +95,7 @@ def drift(rotate: wp.Function, *, predicted: bool, driven: bool, contacts: bool)
         if inertia.inverse_mass[body] == real(0.0):
             if wp.static(driven):
                 if inertia.driven[body] != 0:
-                    spin = bodies.spin[body]
-                    bodies.position[body] = bodies.position[body] + bodies.velocity[body] * dt
-                    bodies.orientation[body] = exponential(bodies.orientation[body], spin, dt)
+                    follow_drives(inertia, drives, bodies, body, dt)
                     bodies.rotation[body] = wp.quat_to_matrix(bodies.orientation[body])
                     place_arms(geometry, bodies, body)
                     watch(geometry, bodies, clock, body, real(0.0))
@@ -154,8 +163,11 @@ def gather(pairs: Pairs, incidence: Incidence, body: int):
 
 
 @functools.cache
-def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
-    """Kernel of the gathering of forces and the second half kick."""
+def kick(torque_of: wp.Function, *, contacts: bool, controlled: bool, work: bool) -> wp.Kernel:
+    """Kernel of the gathering of forces and the second half kick.
+
+    ``controlled``: some driven bodies follow a force; ``work``: account of the work of all.
+    """
 
     @variant
     def kick(
@@ -169,6 +181,7 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
         incidence: Incidence,
         clock: Clock,
         # in and out
+        drives: Drives,
         bodies: Bodies,
         # out
         energy: Account,
@@ -178,7 +191,7 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
             return
         free = inertia.inverse_mass[body] != real(0.0)
         if not free:
-            if wp.static(not account):
+            if wp.static(not (controlled or work)):
                 return
             if inertia.driven[body] == 0:
                 return
@@ -196,9 +209,13 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
             bodies.momentum[body] = bodies.momentum[body] + force * half
             bodies.angular_momentum[body] = spun + torque * half
         else:
-            power = -wp.dot(force, bodies.velocity[body]) - wp.dot(torque, bodies.spin[body])
-            mean = real(0.5) * (power + energy.power[body])
-            energy.work[body] = energy.work[body] + mean * dt
-            energy.power[body] = power
+            if wp.static(controlled):
+                respond(inertia, drives, bodies, body, force, torque, dt)
+            if wp.static(work):
+                power = -wp.dot(force, bodies.velocity_end[body])
+                power -= wp.dot(torque, bodies.spin_end[body])
+                mean = real(0.5) * (power + energy.power[body])
+                energy.work[body] = energy.work[body] + mean * dt
+                energy.power[body] = power
 
     return kick

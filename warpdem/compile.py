@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import warp as wp
 
 from warpdem.kernels.candidates import find_candidates
+from warpdem.kernels.driving import wall_frequency
 from warpdem.kernels.integrate import orient
 from warpdem.kernels.matching import carry_history
 from warpdem.kernels.measures import frequency_bound
@@ -41,6 +42,8 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
     kernels["history"] = carry_history(rolling=has.rolling)
     kernels["incidence"] = incidence_keys
     kernels["measures"] = frequency_bound
+    if has.controlled:
+        kernels["wall measures"] = wall_frequency
     return kernels
 
 

@@ -36,6 +36,9 @@ class Features:
     large: bool
     spherical: bool
     driven: bool
+    controlled: bool
+    stepwise: bool
+    work: bool
     predicted: bool
     taylor: bool
     damped: bool
@@ -61,6 +64,7 @@ def features_of(
     table = scene.contact_table(placement.groups)
     laws = list(table.values())
     moving = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
+    driven = bool(moving.any()) or bool(scene.driver)
     how = scene.run.resolved()
     contacts = bool(laws) and bool(free.any()) and len(placement.shape) > 1
     friction = any(law.mu > 0 and law.kt > 0 for law in laws)
@@ -73,7 +77,10 @@ def features_of(
         trees=any(has_tree(shape) for shape in used),
         large=bool(large_bodies(placement, shapes).any()),
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
-        driven=bool(moving.any()),
+        driven=driven,
+        controlled=any(driver.kind in {"control", "pressure"} for driver in scene.driver),
+        stepwise=driven and scene.run.compat == "rockable",
+        work=driven and (scene.output.energy or (bool(scene.driver) and scene.output.drivers)),
         account=scene.output.energy,
         **_numerics(how, laws, friction=friction),
     )

@@ -33,6 +33,7 @@ class Model:
         skin_adapts: The scene leaves it to the run.
         keep_within: Gap up to which an open contact keeps its history (compat) [m].
         trees: The feature trees, kept alive here.
+        gauges: What measures the areas of pressures.
     """
 
     device: Any
@@ -50,6 +51,7 @@ class Model:
     skin_adapts: bool
     keep_within: float
     trees: tuple[wp.Bvh, ...]
+    gauges: wp.array
 
     @property
     def body_count(self) -> int:

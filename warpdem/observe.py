@@ -43,6 +43,7 @@ def snapshot(
         torque=torque,
         contacts=touching(state, lists, rolling=model.features.rolling) if contacts else None,
         energy=energy,
+        work=state.account.work.numpy().copy() if model.features.work else None,
     )
 
 
@@ -59,8 +60,8 @@ def velocities(model: Model, state: State) -> tuple[FloatArray, FloatArray]:
         velocity = np.where(free, bodies.momentum.numpy() / model.mass[:, None], 0.0)
         spin = rotate_back(q, bodies.angular_momentum.numpy()) / model.moment
     spin = rotate(q, np.where(free, spin, 0.0))
-    velocity = np.where(free, velocity, bodies.velocity.numpy())
-    return velocity, np.where(free, spin, bodies.spin.numpy())
+    velocity = np.where(free, velocity, bodies.velocity_end.numpy())
+    return velocity, np.where(free, spin, bodies.spin_end.numpy())
 
 
 def _forces(model: Model, state: State, lists: Lists) -> tuple[FloatArray, FloatArray]:
@@ -141,7 +142,7 @@ def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, flo
 def _energy(model: Model, state: State, lists: Lists, start: float) -> Energy:
     kinetic, potential, elastic = _stored(model, state, lists)
     lost = lists.spent + lists.since()
-    work = float(state.account.work.numpy().sum())
+    work = float(state.account.work.numpy().sum()) if model.features.work else 0.0
     place, _ = slots(lists)
     gap = lists.candidates.gap.numpy()[place]
     return Energy(
@@ -163,7 +164,7 @@ def fault(model: Model, state: State, dt: float) -> tuple[int, str]:
     speed = np.linalg.norm(state.bodies.velocity.numpy(), axis=1)
     turn = np.linalg.norm(state.bodies.spin.numpy(), axis=1)
     reach = (speed + 0.3 * turn * model.bound) * dt / model.bound
-    reach[~model.free] = 0.0
+    reach[~model.free & np.isfinite(reach)] = 0.0
     bad = np.flatnonzero(~np.isfinite(reach))
     if len(bad):
         return int(bad[0]), "has no finite velocity (NaN)"

@@ -26,6 +26,8 @@ BODIES = (
     "torque",
     "velocity",
     "spin",
+    "velocity_end",
+    "spin_end",
     "listed_position",
     "listed_orientation",
 )
@@ -37,6 +39,8 @@ TOUCHING = ("which", "normal", "point", "gap")
 def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray]:
     """Host copies of everything a step depends on."""
     saved = {name: getattr(state.bodies, name).numpy().copy() for name in BODIES}
+    saved["drives_offset"] = state.drives.offset.numpy().copy()
+    saved["drives_turn"] = state.drives.turn.numpy().copy()
     saved["work"] = state.account.work.numpy().copy()
     saved["power"] = state.account.power.numpy().copy()
     saved["spent"] = lists.spent.copy()
@@ -74,6 +78,8 @@ def put_back(
     bodies = state.bodies
     for name in BODIES:
         getattr(bodies, name).assign(saved[name])
+    state.drives.offset.assign(saved["drives_offset"])
+    state.drives.turn.assign(saved["drives_turn"])
     state.account.work.assign(saved["work"])
     state.account.power.assign(saved["power"])
     if contacts:

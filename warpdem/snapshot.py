@@ -77,6 +77,7 @@ class Snapshot:
         torque: Resultant torque about the centre of mass, world [N m], shape [body_count, 3].
         contacts: The touching sub-contacts, when asked for.
         energy: The energy account, when the scene keeps one.
+        work: What each body's driver has done [J], shape [body_count], when something is driven.
     """
 
     time: float
@@ -89,3 +90,4 @@ class Snapshot:
     torque: FloatArray
     contacts: Contacts | None = None
     energy: Energy | None = None
+    work: FloatArray | None = None

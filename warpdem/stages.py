@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from warpdem.kernels.driving import measure_areas
 from warpdem.kernels.forces import pair_forces
 from warpdem.kernels.integrate import drift as drift_kernel
 from warpdem.kernels.integrate import halt as halt_kernel
@@ -42,7 +43,7 @@ class Stage:
 
     name: str
     kernel: wp.Kernel
-    over: Literal["bodies", "pairs", "one"]
+    over: Literal["bodies", "pairs", "gauges", "one"]
     arguments: tuple[Any, ...]
 
 
@@ -50,13 +51,19 @@ def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
     """First half kick and drift."""
     has = model.features
     kernel = drift_kernel(
-        _rotate(has), predicted=has.predicted, driven=has.driven, contacts=has.contacts
+        _rotate(has),
+        predicted=has.predicted,
+        driven=has.driven,
+        controlled=has.controlled,
+        stepwise=has.stepwise,
+        contacts=has.contacts,
     )
     arguments = (
         model.geometry,
         model.inertia,
         dt,
         share.bodies,
+        state.drives,
         state.bodies,
         share.clock,
     )
@@ -92,8 +99,7 @@ def kick(
     """Gather the wrenches, add body forces, second half kick."""
     has = model.features
     torque = taylor_torque if has.taylor else free_torque
-    account = has.account and has.driven
-    kernel = kick_kernel(torque, contacts=contacts, account=account)
+    kernel = kick_kernel(torque, contacts=contacts, controlled=has.controlled, work=has.work)
     arguments = (
         model.inertia,
         vec3(*model.gravity),
@@ -102,10 +108,17 @@ def kick(
         lists.pairs,
         lists.incidence,
         share.clock,
+        state.drives,
         state.bodies,
         state.account,
     )
     return Stage("gather and kick", kernel, "bodies", arguments)
+
+
+def areas(model: Model, state: State, share: Share) -> Stage:
+    """Areas that pressures act on, where no body is moving."""
+    arguments = (model.gauges, state.bodies, share.clock, state.drives)
+    return Stage("areas", measure_areas, "gauges", arguments)
 
 
 def meet(share: Share) -> Stage:
@@ -129,12 +142,14 @@ def after_drift(
     model: Model, state: State, lists: Lists, share: Share, dt: float
 ) -> tuple[Stage, ...]:
     """The stages of a step that follow its drift."""
-    contacts = model.features.contacts
+    has = model.features
+    contacts = has.contacts
     kicked = kick(model, state, lists, share, dt, contacts=contacts)
+    measured = (areas(model, state, share),) if len(model.gauges) and share.member == 0 else ()
+    waits = (meet(share),) if share.members > 1 and (contacts or has.driven) else ()
     if not contacts:
-        return (kicked,)
-    waits = (meet(share),) if share.members > 1 else ()
-    return (forces(model, state, lists, share, dt), *waits, kicked)
+        return (*measured, *waits, kicked)
+    return (*measured, forces(model, state, lists, share, dt), *waits, kicked)
 
 
 def cycle(model: Model, state: State, lists: Lists, share: Share, dt: float) -> tuple[Stage, ...]:

@@ -10,7 +10,7 @@ import warp as wp
 
 from warpdem.kernels.meeting import LINE
 from warpdem.kernels.precision import mat33, quat, real, vec3, vec4
-from warpdem.kernels.views import Account, Bodies, Clock
+from warpdem.kernels.views import Account, Bodies, Clock, Drives
 
 
 @dataclass(frozen=True)
@@ -22,15 +22,17 @@ class State:
             ``arm`` has shape [total vertex count of all bodies].
         clock: Flags and the step counter, shape [1] each.
         account: Energy bookkeeping; ``pair`` is owned by the lists.
+        drives: Imposed motion, a block of steps at a time (see warpdem.drives).
     """
 
     bodies: Bodies
     clock: Clock
     account: Account
+    drives: Drives
 
 
-def allocate(device: Any, body_count: int, arm_count: int, *, account: bool) -> State:
-    """A state of zeros."""
+def allocate(device: Any, body_count: int, arm_count: int, *, work: bool) -> State:
+    """A state of zeros, its drives to be given; ``work``: that of drivers is kept."""
 
     def zeros(dtype: Any, count: int = body_count) -> wp.array:
         return wp.zeros(count, dtype=dtype, device=device)
@@ -49,11 +51,11 @@ def allocate(device: Any, body_count: int, arm_count: int, *, account: bool) -> 
         setattr(clock, name, zeros(wp.int32, 1))
     clock.reach = zeros(real, 1)
     energy = Account()
-    kept = body_count if account else 1
+    kept = body_count if work else 1
     energy.power = zeros(real, kept)
     energy.work = zeros(real, kept)
     energy.pair = zeros(vec4, 1)
-    return State(bodies, clock, energy)
+    return State(bodies, clock, energy, Drives())
 
 
 @dataclass(frozen=True)

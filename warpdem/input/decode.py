@@ -158,15 +158,16 @@ def _override(
 
 def _files(data: dict[str, Any], directory: Path) -> list[Fault]:
     faults = []
-    for index, shape in tables(data, "shape"):
-        file = text(shape, "file")
+    named = [(kind, *entry) for kind in ("shape", "driver") for entry in tables(data, kind)]
+    for kind, index, table in named:
+        file = text(table, "file")
         try:
             lacking = file and not (directory / file).is_file()
         except (OSError, ValueError):
             lacking = True
         if lacking:
             rule = f"there is no such file in {directory.absolute()}"
-            faults.append(Fault(("shape", index, "file"), file, rule))
+            faults.append(Fault((kind, index, "file"), file, rule))
     return faults
 
 

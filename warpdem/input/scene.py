@@ -8,6 +8,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from warpdem.input.consistency import consistency
+from warpdem.input.scene_driver import Driver
 from warpdem.input.scene_fill import Fill
 from warpdem.input.scene_run import Run
 from warpdem.input.scene_shapes import Shape
@@ -72,7 +73,7 @@ class Body(Section):
     """Mass per volume [kg/m^3]; default: that of its group."""
 
     fixed: bool = False
-    """true: no force moves it; it keeps its velocity and spin, so it is a wall or a driver."""
+    """true: no force moves it; it keeps its velocity and spin, or a [[driver]] moves it."""
 
 
 class Contact(Section):
@@ -124,6 +125,9 @@ class Output(Section):
     energy: bool = True
     """Keep account of the energies (energy.csv)."""
 
+    drivers: bool = True
+    """Write motion, contact force and work of the bodies that [[driver]]s move (drivers.csv)."""
+
     checkpoint_every: Positive | None = None
     """Simulated time between checkpoints [s]; default: at every frame."""
 
@@ -165,6 +169,9 @@ class Scene(Section):
 
     contact: Annotated[tuple[Contact, ...], Field(strict=False)] = ()
     """[[contact]]: the laws between groups; one for each pair of groups that can meet."""
+
+    driver: Annotated[tuple[Driver, ...], Field(strict=False)] = ()
+    """[[driver]]: what moves fixed bodies."""
 
     output: Output = Output()
     """[output]: what is written."""
