@@ -8,7 +8,7 @@ moment of inertia of its own. The contact laws see it as a body without inverse 
 import functools
 
 import warp as wp
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.rotation import exponential
 from warpdem.kernels.variant import inlined, plain
 from warpdem.kernels.views import (
@@ -41,7 +41,7 @@ def follow(*, controlled: bool, stepwise: bool) -> wp.Function:
     """Function of the drift of a driven body.
 
     ``controlled``: some bodies follow a force. ``stepwise``: positions are summed up from the
-    velocities of the steps' beginnings, as Rockable does, instead of being imposed themselves.
+    velocities of the steps' ends, as Rockable does, instead of being imposed themselves.
     """
 
     @inlined()
@@ -113,9 +113,7 @@ def respond(
     end = drives.now_end[place]
     inverse_mass = drives.inverse_mass[place]
     inverse_inertia = drives.inverse_inertia[place]
-    area = vec3(
-        drives.area[3 * place], drives.area[3 * place + 1], drives.area[3 * place + 2]
-    )
+    area = vec3(drives.area[3 * place], drives.area[3 * place + 1], drives.area[3 * place + 2])
     total = force + imposed[0] + wp.cw_mul(imposed[2], area)
     moment = torque + imposed[1]
     damping = drives.damping[place]

@@ -11,7 +11,16 @@ from warpdem.kernels.driving import follow, respond
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.rotation import arc
 from warpdem.kernels.variant import inlined, plain, variant
-from warpdem.kernels.views import Account, Bodies, Clock, Drives, Geometry, Incidence, Inertia, Pairs
+from warpdem.kernels.views import (
+    Account,
+    Bodies,
+    Clock,
+    Drives,
+    Geometry,
+    Incidence,
+    Inertia,
+    Pairs,
+)
 
 
 @wp.func

@@ -15,6 +15,7 @@ DEVICE_SIDE = {
     "compile",
     "device_shapes",
     "devices",
+    "drives",
     "lists",
     "model",
     "observe",

@@ -88,6 +88,10 @@ class Blocks:
         """The rows of time zero, of a step without length."""
         if self._features.driven:
             self._send(0, np.zeros(1), 0.0)
+        if self._features.controlled and self._features.gravity_first:
+            # Rockable's walls start without any force
+            for name in ("force", "moment", "pressure"):
+                getattr(self._drives, name).zero_()
         self._base = -1
 
     def forget(self) -> None:
@@ -97,9 +101,7 @@ class Blocks:
     def left(self, step: int, *, since: int, time: float, dt: float) -> int:
         """Make the rows of the step after ``step`` steps ready; how many steps rows last.
 
-        Args:
-            step: Number of steps done.
-            since, time: Steps done, and the time then [s], when the step became ``dt`` [s].
+        ``since`` steps were done at ``time`` [s], when the length of a step became ``dt`` [s].
         """
         if not self._features.driven:
             return 1 << 30
@@ -114,7 +116,7 @@ class Blocks:
         drives = self._drives
         ends = begins + dt
         if self._features.stepwise:
-            end = half = self._plan.path(begins)
+            end = half = self._plan.path(ends)
         else:
             end, half = self._plan.path(ends), self._plan.path(begins + 0.5 * dt)
         drives.base.fill_(base)

@@ -115,9 +115,6 @@ def needs(case: Case) -> str:
         return f"partnership weights ({extra['ContactPartnership']})"
     if has.get("integrator") not in {None, "velocityVerlet"}:
         return f"integrator {has['integrator']}"
-    driving = " ".join(has.get("driving") or [])
-    if driving:
-        return "shaker" if "shaker" in driving else "force control"
     return ""
 
 
@@ -135,6 +132,7 @@ def scene_of(case: Case, **run: Any) -> Scene:
                 for number, body in enumerate(has["bodies"])
             ],
             "contact": list(_contacts(has["params"])),
+            "driver": [_driver(line) for line in has.get("driving") or ()],
             "output": {"energy": False},
         }
     )
@@ -170,6 +168,25 @@ def _body(body: Mapping[str, Any], density: Mapping[str, float], *, fixed: bool)
         "velocity": body["vel"],
         "spin": body["vrot"],
         "fixed": fixed,
+    }
+
+
+def _driver(line: str) -> dict[str, Any]:
+    """A driver of a line of Rockable's drivingSystem.txt."""
+    word, kind, *numbers = line.split()
+    if word == "Control":
+        axis = kind.strip("_")[0]
+        assert kind == f"_{axis}_For_", line
+        body, force = numbers
+        return {"kind": "control", "bodies": [f"body[{body}]"], "force": {axis: float(force)}}
+    assert kind == "shaker", line
+    body, x, y, z, amplitude, frequency = numbers
+    direction = np.array([x, y, z], float)
+    return {
+        "kind": "sine",
+        "bodies": [f"body[{body}]"],
+        "translation": float(amplitude) * direction / np.linalg.norm(direction),
+        "frequency": float(frequency),
     }
 
 
@@ -324,6 +341,7 @@ def verdict(passes: bool) -> str:  # noqa: FBT001 - a word for a flag
 def excerpt(case: Case, folder: Path) -> None:
     """Write a case's definition and some rows of its trajectory as one small file."""
     keys = ("law", "shapes", "bodies", "params", "tmax", "dt", "nDriven", "gravity", "density")
+    keys += ("driving",) * ("driving" in case.definition)
     rows = case.trajectory()
     instants = np.unique(rows[:, 0])
     chosen = instants[np.linspace(0, len(instants) - 1, EXCERPT_ROWS + 1).astype(int)[1:]]

@@ -123,7 +123,8 @@ def automatic_step(
     ``dt = "auto"`` the step is the least of a twentieth of the shortest contact, half of the
     stability bound, a tenth of a radian at the fastest initial spin (but for balls) and a quarter
     of a bounding radius at the initial velocity, or where nothing can touch at the velocity of a
-    fall for the whole run, and what resolves the motion of the drivers; then it is reduced to divide the time between frames.
+    fall for the whole run, and what resolves the motion of the drivers (a hundredth of a period);
+    then it is reduced to divide the time between frames.
 
     Raises:
         SceneError: The given step is unstable for a single contact, or bodies have masses beyond

@@ -20,6 +20,9 @@ LONGEST = 2000
 DEEPEST = 60
 """Operations inside one another."""
 
+LARGEST = 1e300
+"""Number in an expression."""
+
 
 class ExpressionError(ValueError):
     """The text is no function of time; says where and why."""
@@ -136,9 +139,8 @@ def parse(text: str) -> Expression:
     try:
         tree = ast.parse(text.strip() or "?", mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
-        column = getattr(error, "offset", None)
-        where = f" at letter {column}" if column else ""
-        raise ExpressionError(f"not an expression{where}; known are {KNOWN}") from None
+        column = getattr(error, "offset", None) or len(text) + 1
+        raise ExpressionError(f"not an expression at letter {column}; known are {KNOWN}") from None
     _refuse(tree, text.strip(), 0)
     return Expression(text, tree)
 
@@ -147,29 +149,37 @@ def _refuse(node: ast.expr, text: str, depth: int) -> None:
     """Raise where something unknown stands; nothing unknown is ever evaluated."""
     if depth > DEEPEST:
         raise ExpressionError(f"more than {DEEPEST} operations inside one another")
+    for inner in _parts(node, text):
+        _refuse(inner, text, depth + 1)
+
+
+def _parts(node: ast.expr, text: str) -> list[ast.expr]:
+    """What an operation is made of, once it is known to be legal itself."""
     match node:
-        case ast.Constant(value=bool()) | ast.Constant(value=complex()):
-            raise _unknown(node, text, "not a real number")
-        case ast.Constant(value=int() | float() as value):
-            if not np.isfinite(value) or abs(value) > 1e300:
-                raise _unknown(node, text, "too large a number")
+        case ast.Constant(value=value):
+            _refuse_constant(node, value, text)
+            return []
         case ast.Name(id=name):
             if name != "t" and name not in NAMES:
                 hint = "a function needs parentheses" if name in {*SMOOTH, *SEVERAL} else ""
                 raise _unknown(node, text, hint)
+            return []
         case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=inner):
-            _refuse(inner, text, depth + 1)
-        case ast.BinOp(op=ast.BitXor()):
-            raise _unknown(node, text, "a power is written **")
+            return [inner]
         case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
-            _refuse(left, text, depth + 1)
-            _refuse(right, text, depth + 1)
+            return [left, right]
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
             _refuse_call(node, name, len(args), text)
-            for inner in args:
-                _refuse(inner, text, depth + 1)
-        case _:
-            raise _unknown(node, text, "")
+            return args
+    is_xor = isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitXor)
+    raise _unknown(node, text, "a power is written **" if is_xor else "")
+
+
+def _refuse_constant(node: ast.expr, value: Any, text: str) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise _unknown(node, text, "not a real number")
+    if not abs(value) < LARGEST:
+        raise _unknown(node, text, "too large a number")
 
 
 def _refuse_call(node: ast.Call, name: str, count: int, text: str) -> None:

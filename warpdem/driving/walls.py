@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from warpdem.driving.areas import AXIS, Area, areas_of
 from warpdem.geometry.orientation import matrix
 from warpdem.input.decode import problem_at
 from warpdem.input.scene_driver import ControlDriver, PressureDriver
@@ -21,28 +22,6 @@ if TYPE_CHECKING:
     from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.input.scene import Scene
 
-AXIS = {"x": 0, "y": 1, "z": 2}
-
-
-@dataclass(frozen=True)
-class Area:
-    """Clear rectangle between two pairs of walls, and whose pressure acts on it.
-
-    Attributes:
-        place: Of the pressed wall among the driven bodies.
-        along: Axis of the pressure.
-        low, high: Bodies on the lower and the upper side of each pair.
-        axis: Along which each pair is apart.
-        less: Distance of their centres less their clear width [m].
-    """
-
-    place: int
-    along: int
-    low: tuple[int, int]
-    high: tuple[int, int]
-    axis: tuple[int, int]
-    less: tuple[float, float]
-
 
 @dataclass(frozen=True)
 class Push:
@@ -50,16 +29,19 @@ class Push:
 
     Attributes:
         index: Of the driver in the scene.
-        place: Of the body among the driven ones.
+        body, place: Number of the body, and among the driven ones.
         kind: "force", "moment" or "pressure".
         vector: N, N m or Pa along the world's axes, shape [3].
         loose: 1 along the axes that follow it, else 0, shape [3].
         steady: What no ramp multiplies (weight) [N], shape [3].
         start, stop: [s].
         ramp: Times and factors, or None.
+        inertia: Mass [kg] or moments about the world's axes [kg m^2], 0 if unknown, shape [3].
+        damping: Of the motion along the loose axes [N s/m] or [N m s].
     """
 
     index: int
+    body: int
     place: int
     kind: str
     vector: FloatArray
@@ -68,6 +50,8 @@ class Push:
     start: float
     stop: float
     ramp: FloatArray | None
+    inertia: FloatArray
+    damping: float
 
     def at(self, time: FloatArray) -> FloatArray:
         """The imposed vector, shape [count, 3]."""
@@ -141,88 +125,119 @@ def walls_of(
 ) -> tuple[Walls, list[Problem]]:
     """The walls of a placed scene that follow forces, and what is wrong with them.
 
-    Args:
-        scene, placement, polyhedra: The scene, its bodies, its shapes.
-        place: Of the bodies that drivers name, among the driven ones.
-        count: Number of driven bodies.
+    ``place`` has the bodies that drivers name, among the ``count`` driven ones.
     """
-    inverse_mass, inverse_inertia, damping, spin_damping = np.zeros((4, count, 3))
-    pushes: list[Push] = []
-    areas: dict[tuple[int, int], Area] = {}
-    problems: list[Problem] = []
+    pushes = list(_all_pushes(scene, placement, polyhedra, place))
+    areas, problems = areas_of(scene, placement, polyhedra, place)
+    inverses = {"force": np.zeros((count, 3)), "moment": np.zeros((count, 3))}
+    dampings = {"force": np.zeros((count, 3)), "moment": np.zeros((count, 3))}
+    for push in pushes:
+        kind = "moment" if push.kind == "moment" else "force"
+        loose = push.loose > 0.0
+        if fault := _wrong_inertia(push, inverses[kind][push.place, loose]):
+            name = placement.names[push.body]
+            problems.append(problem_at(scene, ("driver", push.index), f'"{name}" {fault}'))
+            continue
+        inverses[kind][push.place, loose] = 1.0 / push.inertia[loose]
+        dampings[kind][push.place, loose] = push.damping
+    walls = Walls(
+        inverses["force"],
+        inverses["moment"],
+        dampings["force"],
+        dampings["moment"],
+        tuple(pushes),
+        areas,
+    )
+    return walls, problems
+
+
+def _wrong_inertia(push: Push, before: FloatArray) -> str:
+    """What is wrong with what a force accelerates; ``before``: inverses of earlier drivers."""
+    inertia = push.inertia[push.loose > 0.0]
+    key = "inertia" if push.kind == "moment" else "mass"
+    if not np.all((inertia > 0.0) & np.isfinite(inertia)):
+        return (
+            f"has nothing to accelerate: give the driver {key}, or the body a density and a shape "
+            f"that is closed"
+        )
+    if np.any((before > 0.0) & (before != 1.0 / inertia)):
+        return f"has another {key} in an earlier driver: give both the same"
+    return ""
+
+
+def _all_pushes(
+    scene: Scene,
+    placement: Placement,
+    polyhedra: Mapping[str, Polyhedron],
+    place: Mapping[str, int],
+) -> Iterator[Push]:
+    """What the drivers impose on their bodies, in the order of the scene."""
     number = {name: k for k, name in enumerate(placement.names)}
     for index, driver in enumerate(scene.driver):
         if not isinstance(driver, ControlDriver | PressureDriver):
             continue
         for name in driver.bodies:
-            body, at = number[name], place[name]
-            mass, moments = _inertia(placement, polyhedra, body, driver.mass)
-            for push in _pushes(scene, index, at, mass):
-                loose = push.loose > 0.0
-                if push.kind == "moment":
-                    assert isinstance(driver, ControlDriver)
-                    for axis, value in driver.inertia.given.items():
-                        moments[axis] = value
-                    inverse_inertia[at, loose] = 1.0 / moments[loose]
-                    spin_damping[at, loose] = driver.spin_damping
-                    lacks = not np.all((moments[loose] > 0.0) & np.isfinite(moments[loose]))
-                else:
-                    lacks = not mass > 0.0
-                    before = inverse_mass[at, loose]
-                    if not lacks and np.any((before > 0.0) & (before != 1.0 / mass)):
-                        rule = f'"{name}" has another mass in an earlier driver: give it one'
-                        problems.append(problem_at(scene, ("driver", index, "mass"), rule))
-                    inverse_mass[at, loose] = 0.0 if lacks else 1.0 / mass
-                    damping[at, loose] = driver.damping
-                if lacks:
-                    rule = f'"{name}" has no mass to accelerate: give the driver '
-                    rule += "inertia" if push.kind == "moment" else "mass"
-                    rule += ", or the body a density and a shape that is closed"
-                    problems.append(problem_at(scene, ("driver", index), rule))
-                pushes.append(push)
-            if isinstance(driver, PressureDriver) and driver.between:
-                area, fault = _area(placement, polyhedra, driver, at)
-                if fault or area is None:
-                    problems.append(problem_at(scene, ("driver", index, "between"), fault))
-                elif areas.setdefault((at, area.along), area) != area:
-                    rule = f'"{name}" is pressed along {driver.axis} on another area already'
-                    problems.append(problem_at(scene, ("driver", index, "between"), rule))
-    walls = Walls(
-        inverse_mass,
-        inverse_inertia,
-        damping,
-        spin_damping,
-        tuple(pushes),
-        tuple(areas.values()),
+            mass, moments = _inertia(placement, polyhedra, number[name], driver.mass)
+            common: dict[str, Any] = {
+                "index": index,
+                "body": number[name],
+                "place": place[name],
+                "start": driver.start,
+                "stop": inf if driver.stop is None else driver.stop,
+                "ramp": None if driver.ramp is None else np.array(driver.ramp, float),
+            }
+            if isinstance(driver, PressureDriver):
+                yield _pressed(driver, mass, common)
+            else:
+                yield from _controlled(
+                    driver, mass, moments, np.array(scene.gravity.vector), common
+                )
+
+
+def _pressed(driver: PressureDriver, mass: float, common: dict[str, Any]) -> Push:
+    """The force of a pressure."""
+    vector, loose = np.zeros(3), np.zeros(3)
+    axis = AXIS[driver.axis]
+    loose[axis] = 1.0
+    vector[axis] = driver.sign * driver.pressure * (driver.area or 1.0)
+    return Push(
+        kind="force" if driver.area else "pressure",
+        vector=vector,
+        loose=loose,
+        steady=np.zeros(3),
+        inertia=np.full(3, mass),
+        damping=driver.damping,
+        **common,
     )
-    return walls, problems
 
 
-def _pushes(
-    scene: Scene, index: int, place: int, mass: float
+def _controlled(
+    driver: ControlDriver,
+    mass: float,
+    moments: FloatArray,
+    gravity: FloatArray,
+    common: dict[str, Any],
 ) -> Iterator[Push]:
-    """What one driver imposes on one body."""
-    driver = scene.driver[index]
-    assert isinstance(driver, ControlDriver | PressureDriver)
-    stop = inf if driver.stop is None else driver.stop
-    ramp = None if driver.ramp is None else np.array(driver.ramp, float)
-    if isinstance(driver, PressureDriver):
-        vector, loose = np.zeros(3), np.zeros(3)
-        axis = AXIS[driver.axis]
-        loose[axis] = 1.0
-        vector[axis] = driver.sign * driver.pressure * (driver.area or 1.0)
-        kind = "force" if driver.area else "pressure"
-        yield Push(index, place, kind, vector, loose, np.zeros(3), driver.start, stop, ramp)
-        return
+    """Force and moment of a driver."""
+    for axis, value in driver.inertia.given.items():
+        moments[axis] = value
+    inertia = {"force": np.full(3, mass), "moment": moments}
+    damping = {"force": driver.damping, "moment": driver.spin_damping}
     for kind, given in (("force", driver.force.given), ("moment", driver.moment.given)):
         if given:
             vector, loose = np.zeros(3), np.zeros(3)
             for axis, value in given.items():
                 vector[axis], loose[axis] = value, 1.0
-            weight = np.zeros(3)
-            if kind == "force" and driver.gravity:
-                weight = loose * mass * np.array(scene.gravity.vector)
-            yield Push(index, place, kind, vector, loose, weight, driver.start, stop, ramp)
+            weighs = kind == "force" and driver.gravity
+            yield Push(
+                kind=kind,
+                vector=vector,
+                loose=loose,
+                steady=loose * mass * gravity if weighs else np.zeros(3),
+                inertia=inertia[kind],
+                damping=damping[kind],
+                **common,
+            )
 
 
 def _inertia(
@@ -239,39 +254,3 @@ def _inertia(
     mass = declared or float(shape.volume * scale**3 * placement.density[body])
     axes = matrix(placement.orientation[body])
     return mass, mass * scale**2 * (axes**2 @ shape.inertia_over_mass)
-
-
-def _area(
-    placement: Placement, polyhedra: Mapping[str, Polyhedron], driver: PressureDriver, place: int
-) -> tuple[Area | None, str]:
-    """The area between the walls that a driver names, or what is wrong with them."""
-    assert driver.between
-    number = {name: k for k, name in enumerate(placement.names)}
-    along = AXIS[driver.axis]
-    found = []
-    for pair in driver.between:
-        first, second = (number[name] for name in pair)
-        apart = placement.position[second] - placement.position[first]
-        axis = int(np.argmax(np.where(np.arange(3) == along, -1.0, np.abs(apart))))
-        low, high = (first, second) if apart[axis] > 0.0 else (second, first)
-        inner = _extent(placement, polyhedra, high, axis)[0]
-        inner -= _extent(placement, polyhedra, low, axis)[1]
-        if not inner > 0.0:
-            named = f'"{pair[0]}" and "{pair[1]}"'
-            return None, f"{named} leave no clear width along {'xyz'[axis]} at the start"
-        found.append((low, high, axis, float(abs(apart[axis]) - inner)))
-    (low, high, axis, less), (low2, high2, axis2, less2) = found
-    if axis == axis2:
-        return None, f"both pairs are apart along {'xyz'[axis]}: they span no area"
-    return Area(place, along, (low, low2), (high, high2), (axis, axis2), (less, less2)), ""
-
-
-def _extent(
-    placement: Placement, polyhedra: Mapping[str, Polyhedron], body: int, axis: int
-) -> tuple[float, float]:
-    """Least and largest coordinate of a body along an axis, rounding included [m]."""
-    shape = list(polyhedra.values())[placement.shape[body]]
-    scale = float(placement.scale[body])
-    across = shape.vertices @ matrix(placement.orientation[body])[axis] * scale
-    across = across + placement.position[body, axis]
-    return float(across.min() - shape.radius * scale), float(across.max() + shape.radius * scale)

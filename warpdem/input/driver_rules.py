@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Any
 
 from warpdem.driving.expression import ExpressionError, parse
@@ -60,7 +61,7 @@ def driver_times(scene: Any) -> Iterator[Fault]:
             rule = f"must be later than start = {start:g}"
             yield Fault(("driver", index, "stop"), stop, rule)
         rows = [row for row in entries(driver, "ramp") if _is_row(row)]
-        for place, (row, after) in enumerate(zip(rows, rows[1:], strict=False)):
+        for place, (row, after) in enumerate(pairwise(rows)):
             if after[0] <= row[0]:
                 rule = f"times must increase, this one is not after {row[0]:g}"
                 yield Fault(("driver", index, "ramp", place + 1), list(after), rule)

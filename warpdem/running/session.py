@@ -91,6 +91,7 @@ class Session:
             simulation.placement,
             writer,
             self.start,
+            driven=simulation.plan.listed.tolist(),
         )
         try:
             with writer:
