@@ -169,7 +169,7 @@ def test_faults_of_keys_and_between_keys_come_together():
         (
             "radius = 0.1",
             'radius = 0.1\nfile = "x.stl"',
-            "8  shape[0].file: unknown key here; it belongs to [[shape]]",
+            "8  shape[0].file: unknown key here; it belongs to [[shape]], [[driver]]",
         ),
     ],
 )
