@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from warpdem.input.scene import Scene
+from warpdem.running.runner import run
 from warpdem.simulation import Simulation
 
 PLATE = {"name": "plate", "kind": "box", "size": [2.0, 2.0, 0.2], "rounding": 0.02}
@@ -254,3 +255,19 @@ def test_light_wall_bounds_the_step():
         [{**driver, "mass": 1.0} if "mass" in driver else driver for driver in drivers], bodies
     )
     assert light.step_bound() < 0.8 * heavy.step_bound()
+
+
+def test_run_writes_force_and_work_of_its_drivers(tmp_path):
+    drivers, bodies = everything()
+    scene = start(drivers, bodies, duration=0.02).scene
+    assert run(scene, tmp_path / "run", threads=1, quiet=True) == 0
+    table = np.genfromtxt(tmp_path / "run" / "drivers.csv", delimiter=",", names=True, dtype=None)
+    assert table["name"][:3].tolist() == ["lid", "east", "anvil"]
+    last = table[-3:]
+    whole = Simulation(scene, device="cpu", threads=1)
+    whole.advance(0.02)
+    now = whole.snapshot()
+    place = [whole.placement.names.index(name) for name in last["name"]]
+    assert last["z"] == pytest.approx(now.position[place, 2], abs=0.0)
+    assert last["fz"] == pytest.approx(now.force[place, 2], abs=0.0)
+    assert last["work"] == pytest.approx(now.work[place], abs=0.0)

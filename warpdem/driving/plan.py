@@ -62,7 +62,6 @@ class Plan:
 
     Attributes:
         bodies: Numbers of the driven bodies, shape [driven_count].
-        listed: Those that a [[driver]] of the scene moves, shape [listed_count].
         position, orientation: At time zero; quaternions w, x, y, z.
         velocity, spin: Their own, of [[body]], kept throughout, about their centres.
         imposed: The drivers, in the order of the scene.
@@ -70,7 +69,6 @@ class Plan:
     """
 
     bodies: IntArray
-    listed: IntArray
     position: FloatArray
     orientation: FloatArray
     velocity: FloatArray
@@ -115,8 +113,7 @@ def plan_of(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedr
     """
     number = {name: k for k, name in enumerate(placement.names)}
     own = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
-    named = {number[name] for driver in scene.driver for name in driver.bodies}
-    bodies = np.array(sorted({*np.flatnonzero(own).tolist(), *named}), np.int64)
+    bodies = np.union1d(np.flatnonzero(own), listed_bodies(scene, placement))
     place = {name: int(np.searchsorted(bodies, number[name])) for name in _names(scene)}
     problems: list[Problem] = []
     imposed: list[Imposed] = []
@@ -146,7 +143,6 @@ def plan_of(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedr
         raise SceneError(str(scene.source or "scene"), [*problems, *faults])
     return Plan(
         bodies=bodies,
-        listed=np.array(sorted(named), np.int64),
         position=placement.position[bodies],
         orientation=placement.orientation[bodies],
         velocity=placement.velocity[bodies],
@@ -154,6 +150,14 @@ def plan_of(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedr
         imposed=tuple(imposed),
         walls=walls,
     )
+
+
+def listed_bodies(scene: Scene, placement: Placement) -> IntArray:
+    """Numbers of the bodies that a [[driver]] moves, rising."""
+    if not scene.driver:
+        return np.zeros(0, np.int64)
+    number = {name: k for k, name in enumerate(placement.names)}
+    return np.array(sorted(number[name] for name in _names(scene)), np.int64)
 
 
 def _names(scene: Scene) -> dict[str, None]:
