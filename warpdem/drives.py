@@ -107,7 +107,8 @@ class Blocks:
             return 1 << 30
         base = since + (step - since) // self._steps * self._steps
         if base != self._base:
-            begins = time + (base - since + np.arange(self._steps)) * dt
+            count = np.arange(self._steps, dtype=np.float64)
+            begins = time + (count + float(base - since)) * dt
             self._send(base, begins, dt)
             self._base = base
         return base + self._steps - step
