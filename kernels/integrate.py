@@ -223,8 +223,8 @@ def kick(torque_of: wp.Function, *, contacts: bool, controlled: bool, work: bool
             if wp.static(work):
                 power = -wp.dot(force, bodies.velocity_end[body])
                 power -= wp.dot(torque, bodies.spin_end[body])
-                mean = real(0.5) * (power + energy.power[body])
+                mean = real(0.5) * (power + energy.driver_power[body])
                 energy.work[body] = energy.work[body] + mean * dt
-                energy.power[body] = power
+                energy.driver_power[body] = power
 
     return kick

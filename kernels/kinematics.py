@@ -15,8 +15,10 @@ class Kinematics:
     approach: real  # at the half step [m/s]
     approach_end: real  # predicted for the end of the step [m/s]
     sliding: vec3  # at the half step [m/s]
+    sliding_end: vec3  # predicted for the end of the step [m/s]
     turn: real  # angle of the frame about its normal over the step [rad]
-    spin: vec3  # of the partner relative to the owner [rad/s]
+    spin: vec3  # of the partner relative to the owner, at the half step [rad/s]
+    spin_end: vec3  # predicted for the end of the step [rad/s]
 
 
 @functools.cache
@@ -36,10 +38,14 @@ def kinematics(*, predicted: bool) -> wp.Function:
         motion.spin = bodies.spin[j] - bodies.spin[i]
         motion.turn = real(0.5) * dt * wp.dot(bodies.spin[i] + bodies.spin[j], normal)
         motion.approach_end = motion.approach
+        motion.sliding_end = motion.sliding
+        motion.spin_end = motion.spin
         if wp.static(predicted):
             end = bodies.velocity_end[j] + wp.cross(bodies.spin_end[j], point)
             end -= bodies.velocity_end[i] + wp.cross(bodies.spin_end[i], arm)
             motion.approach_end = wp.dot(end, normal)
+            motion.sliding_end = end - normal * motion.approach_end
+            motion.spin_end = bodies.spin_end[j] - bodies.spin_end[i]
         return motion
 
     return kinematics

@@ -7,6 +7,7 @@ its friction must not start anew there.
 import functools
 
 import warp as wp
+from warpdem.kernels.laws import Laws
 from warpdem.kernels.neighbours import lower_bound
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.variant import inlined, variant
@@ -24,7 +25,8 @@ def successor(candidates: Candidates, start: int, touching: int, point: vec3, re
         away = candidates.point[slot] - point
         square = wp.dot(away, away)
         new = candidates.past[c][3] == real(-1.0)
-        if square <= reach * reach:
+        touches = candidates.gap[slot] < real(0.0)
+        if square <= reach * reach and touches:
             if (new and not fresh) or (new == fresh and square < nearest):
                 best = c
                 nearest = square
@@ -33,7 +35,7 @@ def successor(candidates: Candidates, start: int, touching: int, point: vec3, re
 
 
 @functools.cache
-def hand_over(gap_of: wp.Function, *, rolling: bool) -> wp.Function:
+def hand_over(gap_of: wp.Function, laws: Laws) -> wp.Function:
     """Function that moves the history of contacts whose foot left its feature to their successors.
 
     Such contacts are marked by past[3] = -2 - fn. A new contact takes over the whole history, one
@@ -65,21 +67,25 @@ def hand_over(gap_of: wp.Function, *, rolling: bool) -> wp.Function:
                         candidates.past[heir] = vec4(
                             past[0], past[1], past[2], real(-2.0) - past[3]
                         )
+                        if wp.static(laws.partnership != "sum"):
+                            candidates.share[heir] = candidates.share[c]
+                        if wp.static(laws.avalanche):
+                            candidates.last[heir] = candidates.last[c]
                     else:
                         candidates.past[heir] = vec4(
                             own[0] + past[0], own[1] + past[1], own[2] + past[2], own[3]
                         )
-                    if wp.static(rolling):
+                    if wp.static(laws.rolling):
                         candidates.rolled[heir] = candidates.rolled[heir] + candidates.rolled[c]
                 candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
-                if wp.static(rolling):
+                if wp.static(laws.rolling):
                     candidates.rolled[c] = vec4()
 
     return hand_over
 
 
 @functools.cache
-def carry_history(*, rolling: bool) -> wp.Kernel:
+def carry_history(*, rolling: bool, shares: bool, last: bool) -> wp.Kernel:
     """Kernel that moves what contacts remember from the old lists into the new ones, by merging."""
 
     @variant
@@ -91,6 +97,8 @@ def carry_history(*, rolling: bool) -> wp.Kernel:
         old_code: wp.array(dtype=wp.int64),
         old_past: wp.array(dtype=vec4),
         old_rolled: wp.array(dtype=vec4),
+        old_share: wp.array(dtype=real),
+        old_last: wp.array(dtype=real),
         pairs: Pairs,
         # out
         candidates: Candidates,
@@ -102,25 +110,35 @@ def carry_history(*, rolling: bool) -> wp.Kernel:
             low = old_ends[i - 1]
         old = lower_bound(old_partner, low, old_ends[i], pairs.partner[pair])
         k = int(0)
-        last = int(0)
+        end = int(0)
         if old < old_ends[i]:
             if old_partner[old] == pairs.partner[pair]:
                 k = old_start[old]
-                last = old_start[old + 1]
+                end = old_start[old + 1]
         for c in range(pairs.start[pair], pairs.start[pair + 1]):
             code = candidates.code[c]
-            while k < last and old_code[wp.min(k, last - 1)] < code:
+            while k < end and old_code[wp.min(k, end - 1)] < code:
                 k += 1
             past = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
             rolled = vec4()
-            if k < last:
+            share = real(1.0)
+            gap = real(0.0)
+            if k < end:
                 if old_code[k] == code:
                     past = old_past[k]
                     if wp.static(rolling):
                         rolled = old_rolled[k]
+                    if wp.static(shares):
+                        share = old_share[k]
+                    if wp.static(last):
+                        gap = old_last[k]
             candidates.past[c] = past
             if wp.static(rolling):
                 candidates.rolled[c] = rolled
+            if wp.static(shares):
+                candidates.share[c] = share
+            if wp.static(last):
+                candidates.last[c] = gap
         pairs.touching[pair] = 0
         pairs.force[pair] = vec3()
         pairs.torque[pair] = vec3()

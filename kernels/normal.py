@@ -42,14 +42,15 @@ def pair_frequency(
     spin_i: vec3,
     spin_j: vec3,
     squares: real,
+    single: real,
     inverse_mass: real,
 ) -> real:
     """Square of the frequency of a pair along its own elastic wrench, per stiffness [1/kg].
 
-    ``force`` = sum d n, torques its moments, spins I^-1 of them, ``squares`` = sum d^2: Rayleigh's
-    quotient of the mode that is being hit. Where normals oppose (a body pinched by one other) it
-    is no less than that of a single contact.
+    ``force`` = sum w d n, torques its moments, spins I^-1 of them, ``squares`` = sum w d^2:
+    Rayleigh's quotient of the mode that is being hit. Where normals oppose (a body pinched by one
+    other) it is no less than that of its contacts one by one, ``single`` = sum (w d)^2.
     """
     moving = wp.dot(force, force) * inverse_mass
     moving += wp.dot(torque_i, spin_i) + wp.dot(torque_j, spin_j)
-    return wp.max(moving / squares, inverse_mass)
+    return wp.max(moving, single * inverse_mass) / squares

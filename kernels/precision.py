@@ -9,3 +9,4 @@ quat = wp.quatd
 mat33 = wp.mat33d
 vec6 = wp.types.vector(length=6, dtype=real)
 mat66 = wp.types.matrix(shape=(6, 6), dtype=real)
+vec8 = wp.types.vector(length=8, dtype=real)

@@ -106,6 +106,22 @@ def taylor_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
 
 
 @wp.func
+def euler_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
+    """exaDEM's drift and half kick, first order in time, for comparison only.
+
+    q + dt/2 w q from the spin before the kick; ``torque`` is I w', see ``taylor_torque``.
+    """
+    w = inverse_inertia(q, moment, momentum)
+    a = inverse_inertia(q, moment, torque)
+    v = vec3(q[0], q[1], q[2])
+    half = real(0.5) * dt
+    dv = (wp.cross(w, v) + w * q[3]) * half
+    ds = -wp.dot(w, v) * half
+    turned = wp.normalize(quat(v[0] + dv[0], v[1] + dv[1], v[2] + dv[2], q[3] + ds))
+    return turned, inertia(turned, moment, w + a * half)
+
+
+@wp.func
 def free_torque(torque: vec3, spin: vec3, momentum: vec3) -> vec3:
     """Torque of the kick on world angular momentum: the torque itself [N m]."""
     return torque

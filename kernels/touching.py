@@ -9,8 +9,9 @@ from warpdem.kernels.matching import hand_over
 from warpdem.kernels.narrow import feature_pair
 from warpdem.kernels.normal import pair_frequency
 from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined
-from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia
+from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Material
 
 
 @functools.cache
@@ -22,7 +23,7 @@ def find_touching(laws: Laws) -> wp.Function:
         two_sided=laws.two_sided,
         cones=laws.cones,
     )
-    hand = hand_over(gap_of, rolling=laws.rolling)
+    hand = hand_over(gap_of, laws)
 
     @inlined()
     def find_touching(
@@ -31,6 +32,7 @@ def find_touching(laws: Laws) -> wp.Function:
         candidates: Candidates,
         i: int,
         j: int,
+        law: Material,
         d: vec3,
         start: int,
         end: int,
@@ -38,12 +40,19 @@ def find_touching(laws: Laws) -> wp.Function:
     ):
         touching = int(0)
         ended = int(0)
+        reach = real(0.0)
+        if wp.static(laws.reaching):
+            reach = law.dncut
         freed = real(0.0)
         unrolled = real(0.0)
         for c in range(start, end):
             hit = gap_of(geometry, bodies, i, j, d, margin, candidates.code[c])
             past = candidates.past[c]
-            if hit.gap < real(0.0) and hit.admissible:
+            near = hit.gap < reach
+            if wp.static(laws.sticky):
+                # what pulled until within this step still has to be paid for it
+                near = near or (past[3] >= real(0.0) and hit.gap < margin)
+            if near and hit.admissible:
                 slot = start + touching
                 candidates.which[slot] = c
                 candidates.normal[slot] = hit.normal
@@ -52,6 +61,8 @@ def find_touching(laws: Laws) -> wp.Function:
                 touching += 1
             elif past[3] >= real(0.0):
                 if wp.static(laws.keep):
+                    if wp.static(laws.avalanche):
+                        candidates.last[c] = real(0.0)
                     if not hit.admissible or hit.gap >= margin:
                         candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
                         if wp.static(laws.rolling):
@@ -61,11 +72,17 @@ def find_touching(laws: Laws) -> wp.Function:
                     ended += 1
                 else:
                     if wp.static(laws.account):
-                        freed += past[0] * past[0] + past[1] * past[1] + past[2] * past[2]
+                        held = past[0] * past[0] + past[1] * past[1] + past[2] * past[2]
+                        if wp.static(laws.partnership != "sum"):
+                            held = held / candidates.share[c]
+                        freed += held
                     candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
                     if wp.static(laws.rolling):
                         rolled = candidates.rolled[c]
-                        unrolled += wp.dot(rolled, rolled)
+                        held = wp.dot(rolled, rolled)
+                        if wp.static(laws.partnership != "sum"):
+                            held = held / candidates.share[c]
+                        unrolled += held
                         candidates.rolled[c] = vec4()
         if ended > 0:
             hand(geometry, bodies, candidates, i, j, d, start, end, touching)
@@ -75,8 +92,10 @@ def find_touching(laws: Laws) -> wp.Function:
 
 
 @functools.cache
-def frequency() -> wp.Function:
+def frequency(laws: Laws) -> wp.Function:
     """Function of the square of a pair's own frequency over its stiffness."""
+    plain = laws.partnership == "sum"
+    share_of = SHARES.get(laws.partnership)
 
     @inlined()
     def frequency(
@@ -88,22 +107,37 @@ def frequency() -> wp.Function:
         d: vec3,
         start: int,
         touching: int,
+        total: real,
+        exponent: real,
     ) -> real:
         force = vec3()
         torque_i = vec3()
         torque_j = vec3()
         squares = real(0.0)
+        single = real(0.0)
         for slot in range(start, start + touching):
             overlap = -candidates.gap[slot]
-            f = candidates.normal[slot] * overlap
+            if wp.static(laws.reaching or laws.sticky):
+                overlap = wp.max(overlap, real(0.0))
+            pushed = overlap
+            if wp.static(not plain):
+                if overlap > real(0.0):
+                    pushed = share_of(overlap, total, exponent) * overlap
+            f = candidates.normal[slot] * pushed
             point = candidates.point[slot]
             force += f
             torque_i += wp.cross(point - d, f)
             torque_j += wp.cross(point, f)
-            squares += overlap * overlap
-        spin_i = world_inverse(bodies.rotation[i], inertia.inverse_moment[i], torque_i)
-        spin_j = world_inverse(bodies.rotation[j], inertia.inverse_moment[j], torque_j)
+            squares += pushed * overlap
+            single += pushed * pushed
         inverse_mass = inertia.inverse_mass[i] + inertia.inverse_mass[j]
-        return pair_frequency(force, torque_i, torque_j, spin_i, spin_j, squares, inverse_mass)
+        square = inverse_mass
+        if squares > real(0.0):
+            spin_i = world_inverse(bodies.rotation[i], inertia.inverse_moment[i], torque_i)
+            spin_j = world_inverse(bodies.rotation[j], inertia.inverse_moment[j], torque_j)
+            square = pair_frequency(
+                force, torque_i, torque_j, spin_i, spin_j, squares, single, inverse_mass
+            )
+        return square
 
     return frequency

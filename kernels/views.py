@@ -1,7 +1,7 @@
 """What kernels see of the model and the state."""
 
 import warp as wp
-from warpdem.kernels.precision import mat33, quat, real, vec3, vec4
+from warpdem.kernels.precision import mat33, quat, real, vec3, vec4, vec8
 
 
 @wp.struct
@@ -150,6 +150,8 @@ class Candidates:
     code: wp.array(dtype=wp.int64)  # kind << 58 | feature of owner << 29 | feature of partner
     past: wp.array(dtype=vec4)  # tangential force and normal force; -1 when it did not touch
     rolled: wp.array(dtype=vec4)  # rolling moment: tangent part, and about the normal
+    share: wp.array(dtype=real)  # of the pair's stiffness, where shares move
+    last: wp.array(dtype=real)  # gap of the last step, where a law needs it
     # of the touching ones, packed from the start of the pair's slice
     which: wp.array(dtype=wp.int32)
     normal: wp.array(dtype=vec3)
@@ -167,15 +169,22 @@ class Incidence:
 
 @wp.struct
 class Material:
-    """Contact parameters of a pair of groups [N/m, 1, N m/rad, N]."""
+    """Contact parameters of a pair of groups [N/m, 1, N m/rad, N, m, J/m^2]."""
 
+    kind: wp.int32  # HOOKE, AVALANCHE, CUSTOM + number: see laws.py
+    elastic_cap: wp.int32  # friction is cut by k d instead of the whole normal force
     kn: real
     kt: real
     mu: real
     zeta: real
+    en2: real
     kr: real
     mur: real
     fc: real
+    dncut: real
+    gamma: real
+    exponent: real  # of the p-norm
+    parameters: vec8  # of a custom law
 
 
 @wp.struct
@@ -194,8 +203,12 @@ class Clock:
 
 @wp.struct
 class Account:
-    """Energies: of a pair (elastic now; dashpot, friction, rolling since), of a driver."""
+    """Energies: of a pair (elastic now; dashpot, friction, rolling since), of a driver.
+
+    A pair's powers [W] of this instant have been counted for a whole step, half of it ahead.
+    """
 
     pair: wp.array(dtype=vec4)
-    power: wp.array(dtype=real)
+    power: wp.array(dtype=vec4)
+    driver_power: wp.array(dtype=real)
     work: wp.array(dtype=real)

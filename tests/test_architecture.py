@@ -17,6 +17,7 @@ DEVICE_SIDE = {
     "devices",
     "drives",
     "lists",
+    "materials",
     "model",
     "observe",
     "resume",

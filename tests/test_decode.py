@@ -168,8 +168,8 @@ def test_faults_of_keys_and_between_keys_come_together():
         ),
         (
             "radius = 0.1",
-            'radius = 0.1\nfile = "x.stl"',
-            "8  shape[0].file: unknown key here; it belongs to [[shape]], [[driver]]",
+            'radius = 0.1\nitem = "x"',
+            "8  shape[0].item: unknown key here; it belongs to [[shape]]",
         ),
     ],
 )
@@ -270,7 +270,7 @@ def test_set_changes_keys_and_entries():
             "contact.0.fricton=1",
             (
                 ': contact[0] has no key fricton; did you mean "mu"? its keys are groups, law, kn, '
-                "kt, en2, mu, kr, mur, fc"
+                "kt, en2, damping_ratio, mu, kr, mur, fc, dncut, gamma, file, normal, parameters"
             ),
         ),
         ("contact.3.mu=1", ": contact has the entries 0 to 0, not 3"),

@@ -229,4 +229,11 @@ def test_the_contact_table_is_symmetric_and_of_the_groups_asked_for():
 def test_physical_parameters_have_no_default():
     with pytest.raises(ValidationError) as caught:
         Contact.model_validate({"groups": ["a", "b"]})
-    assert {error["loc"][0] for error in caught.value.errors()} == {"kn", "kt", "en2", "mu"}
+    assert {error["loc"][0] for error in caught.value.errors()} == {"kn", "kt", "mu"}
+
+
+def test_a_contact_says_how_it_damps():
+    law = {**LAW}
+    law.pop("en2")
+    with pytest.raises(ValidationError, match="damping_ratio"):
+        Scene(**tables(contact=[{"groups": ["default", "default"], **law}]))

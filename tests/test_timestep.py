@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from warpdem.checks.check import build_shapes
+from warpdem.checks.restitution import zeta_bilateral, zeta_clamped
 from warpdem.checks.timestep import (
     automatic_step,
     block_bound,
     contact_time,
     loaded_points,
     single_contact_limit,
-    zeta_bilateral,
-    zeta_clamped,
 )
 from warpdem.errors import SceneError
 from warpdem.filling.placement import place

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
-from warpdem.checks.restitution import zeta_bilateral, zeta_clamped
 from warpdem.checks.timestep import masses
 from warpdem.device_shapes import shape_arrays
 from warpdem.drives import allocate_drives, gauges
 from warpdem.features import Features, has_tree, large_bodies
 from warpdem.kernels.precision import real, vec3
-from warpdem.kernels.views import Geometry, Inertia, Material
+from warpdem.kernels.views import Geometry, Inertia
+from warpdem.materials import materials
 from warpdem.model import Model, on
 from warpdem.state import State, allocate
 
@@ -51,7 +51,7 @@ def build(
         features=features,
         geometry=geometry,
         inertia=_inertia(plan, mass, moment, device),
-        materials=_materials(scene, placement, device),
+        materials=materials(scene, placement, features, device),
         group_count=len(placement.groups),
         gravity=np.array(scene.gravity.vector),
         mass=mass,
@@ -59,6 +59,7 @@ def build(
         bound=bound,
         large=large,
         skin=_skin(scene, bound[~placement.fixed]),
+        reach=max((law.dncut or 0.0 for law in scene.contact), default=0.0),
         skin_adapts=scene.run.skin == "auto" and scene.run.list_distance is None,
         keep_within=scene.run.list_distance or 0.0,
         trees=trees,
@@ -114,24 +115,6 @@ def _inertia(plan: Plan, mass: FloatArray, moment: FloatArray, device: Any) -> I
     inertia.inverse_moment = on(device, 1.0 / moment, vec3)
     inertia.driven = on(device, driven, wp.int32)
     return inertia
-
-
-def _materials(scene: Scene, placement: Placement, device: Any) -> wp.array:
-    """Contact parameters by group pair; NaN where the scene has none, so that none is used."""
-    zeta = zeta_clamped if scene.run.resolved().restitution == "clamped" else zeta_bilateral
-    count = len(placement.groups)
-    rows = [Material() for _ in range(count * count)]
-    for row in rows:
-        row.kn = float("nan")
-    table = scene.contact_table(placement.groups)
-    index = {name: k for k, name in enumerate(placement.groups)}
-    for (a, b), law in table.items():
-        for i, j in ((index[a], index[b]), (index[b], index[a])):
-            row = rows[i * count + j]
-            row.kn, row.kt, row.mu = law.kn, law.kt, law.mu
-            row.zeta = 0.0 if law.en2 == 1.0 else zeta(law.en2**0.5)
-            row.kr, row.mur, row.fc = law.kr, law.mur, law.fc
-    return wp.array(rows, dtype=Material, device=device)
 
 
 def _start(state: State, placement: Placement, mass: FloatArray, moment: FloatArray) -> None:

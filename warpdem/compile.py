@@ -10,9 +10,9 @@ import warp as wp
 from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.driving import wall_frequency
 from warpdem.kernels.integrate import orient
-from warpdem.kernels.matching import carry_history
 from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.neighbours import find_partners, incidence_keys
+from warpdem.lists import history_kernel
 from warpdem.stages import cycle, kick
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
     stages = cycle(model, state, lists, share, 0.0)
     kernels: dict[str, wp.Kernel] = {stage.name: stage.kernel for stage in stages}
     kernels["orient"] = orient
-    if has.gravity_first:
+    if has.first_step == "gravity":
         kernels["first kick"] = kick(model, state, lists, share, 0.0, contacts=False).kernel
     if not has.contacts:
         return kernels
@@ -39,9 +39,9 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
         kernels[f"{word} candidates"] = find_candidates(
             fill=fill, polyhedra=has.polyhedra, trees=has.trees
         )
-    kernels["history"] = carry_history(rolling=has.rolling)
+    kernels["history"] = history_kernel(has)
     kernels["incidence"] = incidence_keys
-    kernels["measures"] = frequency_bound
+    kernels["measures"] = frequency_bound(has.partnership)
     if has.controlled:
         kernels["wall measures"] = wall_frequency
     return kernels

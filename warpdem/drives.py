@@ -88,7 +88,7 @@ class Blocks:
         """The rows of time zero, of a step without length."""
         if self._features.driven:
             self._send(0, np.zeros(1), 0.0)
-        if self._features.controlled and self._features.gravity_first:
+        if self._features.controlled and self._features.first_step == "gravity":
             # Rockable's walls start without any force
             for name in ("force", "moment", "pressure"):
                 getattr(self._drives, name).zero_()

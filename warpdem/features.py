@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,8 @@ TREE_FEATURES = 128
 LARGE_BODY = 4.0
 # ratios of principal moments closer than this to 1 count as spherical inertia
 SPHERICAL = 1e-12
+# laws of a spring and a dashpot
+HOOKE = ("default", "sticked_links")
 
 
 @dataclass(frozen=True)
@@ -40,17 +42,27 @@ class Features:
     stepwise: bool
     work: bool
     predicted: bool
-    taylor: bool
+    rotation: str
+    first_step: str
+    hooke: bool
+    avalanche: bool
+    custom: tuple[tuple[str, str], ...]
     damped: bool
     pair_damping: bool
     friction: bool
     elastic_cap: bool
+    total_cap: bool
     objective: bool
     keep: bool
-    gravity_first: bool
+    partnership: str
+    passive: bool
     rolling: bool
     branch_arm: bool
     cohesion: bool
+    adhesion: bool
+    sticky: bool
+    reaching: bool
+    documented: bool
     account: bool
 
 
@@ -67,7 +79,6 @@ def features_of(
     driven = bool(moving.any()) or bool(scene.driver)
     how = scene.run.resolved()
     contacts = bool(laws) and bool(free.any()) and len(placement.shape) > 1
-    friction = any(law.mu > 0 and law.kt > 0 for law in laws)
     return Features(
         contacts=contacts,
         polyhedra=any(len(shape.vertices) > 1 for shape in used),
@@ -82,27 +93,60 @@ def features_of(
         stepwise=driven and scene.run.compat == "rockable",
         work=driven and (scene.output.energy or (bool(scene.driver) and scene.output.drivers)),
         account=scene.output.energy,
-        **_numerics(how, laws, friction=friction),
+        **_numerics(how, laws),
+        **_laws(scene, laws),
     )
 
 
-def _numerics(how: Numerics, laws: list[Contact], *, friction: bool) -> dict[str, bool]:
-    damped = any(law.en2 < 1 for law in laws)
+def _numerics(how: Numerics, laws: list[Contact]) -> dict[str, Any]:
+    """How the laws are stepped."""
+    damped = any(law.damped for law in laws)
+    friction = any(law.mu > 0 and law.kt > 0 for law in laws)
     rolling = any(law.kr > 0 and law.mur > 0 for law in laws)
+    capped = [how.friction_cap == "elastic" and elastic_cap(law) for law in laws]
     return {
         "predicted": how.contact_update == "predicted",
-        "taylor": how.rotation == "taylor",
+        "rotation": how.rotation,
+        "first_step": how.first_step,
         "damped": damped,
         "pair_damping": damped and how.damping == "pair",
         "friction": friction,
-        "elastic_cap": friction and how.friction_cap == "elastic",
+        "elastic_cap": friction and any(capped),
+        "total_cap": friction and not all(capped),
         "objective": how.friction_frame == "objective",
         "keep": how.opening == "keep",
-        "gravity_first": how.first_step == "gravity",
+        "passive": how.moving_shares == "passive",
         "rolling": rolling,
         "branch_arm": rolling and how.rolling_arm == "branch",
-        "cohesion": any(law.fc > 0 for law in laws),
     }
+
+
+def _laws(scene: Scene, laws: list[Contact]) -> dict[str, Any]:
+    """Which laws there are."""
+    own = {
+        (str(scene.directory / (law.file or "")), law.normal or "") for law in laws if law.normal
+    }
+    reaching = any(law.dncut for law in laws)
+    return {
+        "hooke": any(law.law in HOOKE for law in laws),
+        "avalanche": any(law.law == "avalanche" for law in laws),
+        "custom": tuple(sorted(own)),
+        "partnership": scene.run.partnership,
+        "cohesion": any(law.attracts for law in laws),
+        "adhesion": any(law.gamma > 0 for law in laws),
+        "sticky": any(law.gamma > 0 or (law.fc > 0 and not law.dncut) for law in laws),
+        "reaching": reaching,
+        "documented": reaching and scene.run.cohesion == "documented",
+    }
+
+
+def elastic_cap(law: Contact) -> bool:
+    """Whether ``friction_cap = "elastic"`` concerns a law.
+
+    The programs that have that cap cut the friction of broken bonds and of cohesive contacts by
+    the whole normal force.
+    """
+    return law.law in {"default", "custom"} and not law.attracts
 
 
 def has_tree(shape: Polyhedron) -> bool:

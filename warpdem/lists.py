@@ -15,6 +15,7 @@ from warpdem.kernels.views import Candidates, Incidence, Pairs
 
 if TYPE_CHECKING:
     from warpdem.arrays import FloatArray
+    from warpdem.features import Features
     from warpdem.model import Model
     from warpdem.state import State
 
@@ -107,12 +108,23 @@ class Lists:
         if self._model.features.account and self.pair_count:
             self.spent = self.spent + self.since()
             self._state.account.pair.zero_()
+            self._state.account.power.zero_()
 
     def since(self) -> FloatArray:
         """Energy lost in dashpots, friction, rolling since these lists were made [J], shape [3]."""
         if not (self._model.features.account and self.pair_count):
             return np.zeros(3)
         return self._state.account.pair.numpy()[: self.pair_count, 1:].sum(axis=0)
+
+    def power(self) -> FloatArray:
+        """What dashpots, friction, rolling take at this instant [W], shape [3]."""
+        if not (self._model.features.account and self.pair_count):
+            return np.zeros(3)
+        return self._state.account.power.numpy()[: self.pair_count, 1:].sum(axis=0)
+
+    def change_step(self, before: float, now: float) -> None:
+        """Half of each power has been counted ahead for a step ``before``, which is ``now`` [s]."""
+        self.spent = self.spent + 0.5 * (now - before) * self.power()
 
     def _hash_grid(self) -> Any:
         free = max(int(np.count_nonzero(~self._model.large)), 1)
@@ -135,6 +147,7 @@ class Lists:
         self._keys = wp.zeros(4 * room, dtype=wp.int32, device=device)
         if self._model.features.account:
             self._state.account.pair = wp.zeros(room, dtype=vec4, device=device)
+            self._state.account.power = wp.zeros(room, dtype=vec4, device=device)
         self.pair_room = room
         self.generation += 1
 
@@ -148,6 +161,10 @@ class Lists:
         candidates.past = wp.zeros(room, dtype=vec4, device=device)
         rolled = room if self._model.features.rolling else 1
         candidates.rolled = wp.zeros(rolled, dtype=vec4, device=device)
+        shares = room if self._model.features.partnership != "sum" else 1
+        candidates.share = wp.zeros(shares, dtype=real, device=device)
+        last = room if self._model.features.avalanche else 1
+        candidates.last = wp.zeros(last, dtype=real, device=device)
         candidates.which = wp.zeros(room, dtype=wp.int32, device=device)
         candidates.normal = wp.zeros(room, dtype=vec3, device=device)
         candidates.point = wp.zeros(room, dtype=vec3, device=device)
@@ -165,14 +182,17 @@ class Lists:
             wp.clone(pairs.start[: count + 1]),
             wp.clone(candidates.code[: max(length, 1)]),
             wp.clone(candidates.past[: max(length, 1)]),
-            wp.clone(candidates.rolled[: max(length, 1)])
-            if self._model.features.rolling
-            else candidates.rolled,
+            *(wp.clone(kept[: min(max(length, 1), len(kept))]) for kept in self._memory()),
         )
+
+    def _memory(self) -> tuple[wp.array, ...]:
+        """What some laws remember of a contact; of length 1 where the scene has none of them."""
+        return self.candidates.rolled, self.candidates.share, self.candidates.last
 
     def _find_pairs(self) -> None:
         model, bodies = self._model, self._state.bodies
-        cell = max(2.0 * self._grid_bound + self.skin, 1e-30)
+        reach = self.skin + model.reach
+        cell = max(2.0 * self._grid_bound + reach, 1e-30)
         self._grid.build(bodies.position, cell)
         tree = self._large_tree()
         large = tree is not None
@@ -188,7 +208,7 @@ class Lists:
                     self._grid_bound,
                     tree.id if tree is not None else 0,
                     self._tree_body,
-                    self.skin,
+                    reach,
                     bodies,
                 ],
                 outputs=[self._ends, owner, partner],
@@ -264,7 +284,12 @@ class Lists:
             wp.launch(
                 find_candidates(fill=fill, polyhedra=has.polyhedra, trees=has.trees),
                 dim=count,
-                inputs=[model.geometry, self.skin, self._state.bodies, self.pairs],
+                inputs=[
+                    model.geometry,
+                    self.skin + model.reach,
+                    self._state.bodies,
+                    self.pairs,
+                ],
                 outputs=[self.candidates.code, ends],
                 device=model.device,
             )
@@ -279,9 +304,14 @@ class Lists:
     def _carry(self, old: tuple[wp.array, ...]) -> None:
         if self.pair_count:
             wp.launch(
-                carry_history(rolling=self._model.features.rolling),
+                history_kernel(self._model.features),
                 dim=self.pair_count,
                 inputs=[*old, self.pairs],
                 outputs=[self.candidates],
                 device=self._model.device,
             )
+
+
+def history_kernel(has: Features) -> wp.Kernel:
+    """Kernel that carries what the contacts of a scene remember into new lists."""
+    return carry_history(rolling=has.rolling, shares=has.partnership != "sum", last=has.avalanche)

@@ -31,6 +31,7 @@ class Model:
         large: Bodies found through the tree of large bodies, shape [body_count].
         skin: Distance within which feature pairs are listed, at first [m].
         skin_adapts: The scene leaves it to the run.
+        reach: Gap up to which some contacts attract [m].
         keep_within: Gap up to which an open contact keeps its history (compat) [m].
         trees: The feature trees, kept alive here.
         gauges: What measures the areas of pressures.
@@ -49,6 +50,7 @@ class Model:
     large: BoolArray
     skin: float
     skin_adapts: bool
+    reach: float
     keep_within: float
     trees: tuple[wp.Bvh, ...]
     gauges: wp.array

@@ -23,6 +23,7 @@ def snapshot(
     *,
     time: float,
     step: int,
+    dt: float,
     energy_start: float,
     contacts: bool,
 ) -> Snapshot:
@@ -31,7 +32,7 @@ def snapshot(
     force, torque = _forces(model, state, lists)
     energy = None
     if model.features.account:
-        energy = _energy(model, state, lists, energy_start)
+        energy = _energy(model, state, lists, energy_start, dt)
     return Snapshot(
         time=time,
         step=step,
@@ -125,6 +126,15 @@ def total_energy(model: Model, state: State, lists: Lists) -> float:
     return sum(_stored(model, state, lists))
 
 
+def pair_energies(model: Model, state: State, lists: Lists) -> tuple[IntArray, FloatArray]:
+    """Owner of each body pair, and the elastic energy of its contacts [J], shapes [pair_count]."""
+    count = lists.pair_count
+    elastic = np.zeros(count)
+    if model.features.account and count:
+        elastic = state.account.pair.numpy()[:count, 0].copy()
+    return lists.pairs.owner.numpy()[:count].copy(), elastic
+
+
 def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, float]:
     free = model.free
     velocity, spin = velocities(model, state)
@@ -139,9 +149,9 @@ def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, flo
     return float(kinetic), float(potential), float(elastic)
 
 
-def _energy(model: Model, state: State, lists: Lists, start: float) -> Energy:
+def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -> Energy:
     kinetic, potential, elastic = _stored(model, state, lists)
-    lost = lists.spent + lists.since()
+    lost = lists.spent + lists.since() - 0.5 * dt * lists.power()
     work = float(state.account.work.numpy().sum()) if model.features.work else 0.0
     place, _ = slots(lists)
     gap = lists.candidates.gap.numpy()[place]

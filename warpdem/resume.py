@@ -34,15 +34,17 @@ BODIES = (
 # of the last force pass: of the pairs, and of the contacts that touched, packed
 PAIRS = ("touching", "force", "torque", "torque_partner")
 TOUCHING = ("which", "normal", "point", "gap")
+# of the contacts, where a law of the scene needs it
+MEMORY = ("rolled", "share", "last")
 
 
-def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray]:
+def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
     """Host copies of everything a step depends on."""
     saved = {name: getattr(state.bodies, name).numpy().copy() for name in BODIES}
     saved["drives_offset"] = state.drives.offset.numpy().copy()
     saved["drives_turn"] = state.drives.turn.numpy().copy()
     saved["work"] = state.account.work.numpy().copy()
-    saved["power"] = state.account.power.numpy().copy()
+    saved["driver_power"] = state.account.driver_power.numpy().copy()
     saved["spent"] = lists.spent.copy()
     saved["skin"] = np.array([lists.skin])
     saved["born"] = np.array([lists.born])
@@ -51,13 +53,16 @@ def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray
     saved["pair_owner"] = pairs.owner.numpy()[:n].copy()
     saved["pair_partner"] = pairs.partner.numpy()[:n].copy()
     saved["pair_account"] = state.account.pair.numpy()[:n].copy()
+    saved["pair_power"] = state.account.power.numpy()[:n].copy()
     past = candidates.past.numpy()[: lists.candidate_count]
     kept = np.flatnonzero((past[:, 3] != -1.0) | past[:, :3].any(axis=1))
     start = pairs.start.numpy()[: n + 1]
     saved["contact_pair"] = (np.searchsorted(start, kept, side="right") - 1).astype(np.int64)
     saved["contact_code"] = candidates.code.numpy()[kept]
     saved["contact_past"] = past[kept]
-    saved["contact_rolled"] = candidates.rolled.numpy()[kept] if rolling else np.zeros((0, 4))
+    for name in MEMORY:
+        kept_of = getattr(candidates, name).numpy()
+        saved[f"contact_{name}"] = kept_of[kept] if len(kept_of) > 1 else kept_of[:0]
     for name in PAIRS:
         saved[f"pair_{name}"] = getattr(pairs, name).numpy()[:n].copy()
     place, _ = slots(lists)
@@ -81,7 +86,7 @@ def put_back(
     state.drives.offset.assign(saved["drives_offset"])
     state.drives.turn.assign(saved["drives_turn"])
     state.account.work.assign(saved["work"])
-    state.account.power.assign(saved["power"])
+    state.account.driver_power.assign(saved["driver_power"])
     if contacts:
         bodies.position.assign(saved["listed_position"])
         bodies.orientation.assign(saved["listed_orientation"])
@@ -101,11 +106,10 @@ def _relist(state: State, lists: Lists, saved: dict[str, np.ndarray]) -> None:
     _touch(lists, saved)
     lists.spent = saved["spent"].copy()
     n = lists.pair_count
-    if len(saved["pair_account"]) == n and n:
-        wp.copy(
-            state.account.pair,
-            wp.array(saved["pair_account"], dtype=state.account.pair.dtype, device="cpu"),
-        )
+    account = state.account
+    for kept, values in ((account.pair, "pair_account"), (account.power, "pair_power")):
+        if n and len(saved[values]) == n:
+            wp.copy(kept, wp.array(saved[values], dtype=kept.dtype, device="cpu"))
 
 
 def _touch(lists: Lists, saved: dict[str, np.ndarray]) -> None:
@@ -142,7 +146,9 @@ def _remember(lists: Lists, saved: dict[str, np.ndarray]) -> None:
         place[k] = first + np.searchsorted(code[first:last], wanted)
     past[place] = saved["contact_past"]
     candidates.past[:count].assign(past)
-    if len(saved["contact_rolled"]):
-        rolled = np.zeros((count, 4))
-        rolled[place] = saved["contact_rolled"]
-        candidates.rolled[:count].assign(rolled)
+    for name in MEMORY:
+        values = saved[f"contact_{name}"]
+        if len(values):
+            memory = np.zeros((count, *values.shape[1:]))
+            memory[place] = values
+            getattr(candidates, name)[:count].assign(memory)

@@ -12,6 +12,7 @@ import warp as wp
 from warpdem import observe, resume
 from warpdem.build import build
 from warpdem.checks.check import build_shapes
+from warpdem.checks.custom_laws import check_custom_laws
 from warpdem.checks.timestep import automatic_step
 from warpdem.compile import load
 from warpdem.devices import find_device
@@ -67,6 +68,7 @@ class Simulation:
         progress: Callable[[str], None] | None = None,
     ) -> None:
         self.scene = scene
+        check_custom_laws(scene)
         self.polyhedra = build_shapes(scene)
         self.placement = place(scene, self.polyhedra)
         self.features = features_of(scene, self.placement, self.polyhedra)
@@ -143,9 +145,17 @@ class Simulation:
             self._lists,
             time=self.time,
             step=self.step_count,
+            dt=self.dt,
             energy_start=self._energy_start,
             contacts=contacts,
         )
+
+    def pair_energies(self) -> tuple[np.ndarray, np.ndarray]:
+        """Owner of each body pair in the lists, and the elastic energy of its contacts [J].
+
+        Shapes [pair_count]; zero where the scene keeps no account of energies.
+        """
+        return observe.pair_energies(self._model, self._state, self._lists)
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """Everything that a later ``restore`` needs to go on bitwise."""
@@ -154,7 +164,7 @@ class Simulation:
         return {
             "clock": clock,
             "counts": counts,
-            **resume.arrays(self._state, self._lists, rolling=self.features.rolling),
+            **resume.arrays(self._state, self._lists),
         }
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
@@ -238,9 +248,15 @@ class Simulation:
             lists.rebuild()
         else:
             state.clock.reach.fill_(float("inf"))
-        if contacts and not self.features.gravity_first:
-            self._launch(forces(model, state, lists, whole, 0.0))
+        first = self.features.first_step
+        if contacts and first != "gravity":
+            # exaDEM's friction springs are already one step old at time zero
+            since = self.dt if first == "forces" else 0.0
+            self._launch(forces(model, state, lists, whole, since))
             self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
+            lists.change_step(since, self.dt)
+            if first == "forces":
+                state.bodies.torque.zero_()
             self._examine_step()
             self._lower_step()
         else:
@@ -328,7 +344,7 @@ class Simulation:
         if not lists.pair_count:
             return float("inf")
         wp.launch(
-            frequency_bound,
+            frequency_bound(self.features.partnership),
             dim=self.body_count,
             inputs=[
                 model.inertia,
@@ -368,6 +384,7 @@ class Simulation:
             f"more contacts share a body than foreseen"
         )
         self._time, self._time_steps = self.time, self.step_count
+        self._lists.change_step(self.dt, self._next_dt)
         self.dt = self._next_dt
         self._blocks.forget()
 

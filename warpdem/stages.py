@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -14,12 +15,14 @@ from warpdem.kernels.laws import Laws
 from warpdem.kernels.meeting import meet as meet_kernel
 from warpdem.kernels.precision import vec3
 from warpdem.kernels.rotation import (
+    euler_drift,
     free_drift,
     free_torque,
     spherical_drift,
     taylor_drift,
     taylor_torque,
 )
+from warpdem.materials import load_custom_law
 
 if TYPE_CHECKING:
     import warp as wp
@@ -82,7 +85,7 @@ def forces(model: Model, state: State, lists: Lists, share: Share, dt: float) ->
         model.inertia,
         model.materials,
         dt,
-        model.keep_within,
+        max(model.keep_within, model.reach, model.skin if model.features.sticky else 0.0),
         share.pairs,
         state.bodies,
         share.clock,
@@ -98,7 +101,7 @@ def kick(
 ) -> Stage:
     """Gather the wrenches, add body forces, second half kick."""
     has = model.features
-    torque = taylor_torque if has.taylor else free_torque
+    torque = free_torque if has.rotation == "no_squish" else taylor_torque
     kernel = kick_kernel(torque, contacts=contacts, controlled=has.controlled, work=has.work)
     arguments = (
         model.inertia,
@@ -127,14 +130,17 @@ def meet(share: Share) -> Stage:
     return Stage("meet", meet_kernel, "one", arguments)
 
 
+@functools.cache
 def laws(has: Features) -> Laws:
     """The contact laws a scene chose."""
-    return Laws(**{name: getattr(has, name) for name in Laws._fields})
+    chosen = {name: getattr(has, name) for name in Laws._fields}
+    chosen["custom"] = tuple(load_custom_law(file, name) for file, name in has.custom)
+    return Laws(**chosen)
 
 
 def _rotate(has: Features) -> wp.Function:
-    if has.taylor:
-        return taylor_drift
+    if has.rotation != "no_squish":
+        return taylor_drift if has.rotation == "taylor" else euler_drift
     return spherical_drift if has.spherical else free_drift
 
 

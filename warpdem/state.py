@@ -52,9 +52,10 @@ def allocate(device: Any, body_count: int, arm_count: int, *, work: bool) -> Sta
     clock.reach = zeros(real, 1)
     energy = Account()
     kept = body_count if work else 1
-    energy.power = zeros(real, kept)
+    energy.driver_power = zeros(real, kept)
     energy.work = zeros(real, kept)
     energy.pair = zeros(vec4, 1)
+    energy.power = zeros(vec4, 1)
     return State(bodies, clock, energy, Drives())
 
 

@@ -86,10 +86,11 @@ def body(shape, position, *, mass=1.0, **motion):
     }
 
 
-def laboratory(shapes, bodies, rules, *, dt, gravity=(0.0, 0.0, 0.0), **run):
+def laboratory(shapes, bodies, rules, *, dt, gravity=(0.0, 0.0, 0.0), contacts=(), **run):
     """A simulation of free bodies over the floor, the top of which is at z = 0.
 
-    ``rules`` hold between all bodies; the floor is the last body.
+    ``rules`` hold between all bodies of the group "free" and the floor, which is the last body;
+    ``contacts`` are more laws.
     """
     scene = {
         "run": {"duration": 1e3, "dt": dt, "device": "cpu", "skin": SKIN, **run},
@@ -100,6 +101,7 @@ def laboratory(shapes, bodies, rules, *, dt, gravity=(0.0, 0.0, 0.0), **run):
             {"groups": ["free", "free"], **rules},
             {"groups": ["free", "floor"], **rules},
             UNUSED,
+            *contacts,
         ],
     }
     return Simulation(Scene.model_validate(scene), threads=1)

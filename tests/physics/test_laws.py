@@ -68,7 +68,7 @@ def test_pair_frequency_of_equal_parallel_contacts_grows_with_their_number():
         force = vec3(0.0, 0.0, count * d)
         nothing = vec3()
         squares = count * d * d
-        arguments = (force, nothing, nothing, nothing, nothing, squares, 1.0 / m_eff)
+        arguments = (force, nothing, nothing, nothing, nothing, squares, squares, 1.0 / m_eff)
         assert of(pair_frequency, *arguments) == pytest.approx(count / m_eff)
 
 
@@ -77,13 +77,13 @@ def test_pair_frequency_of_a_contact_beside_the_centre_counts_rotation():
     torque = vec3(0.0, arm * d, 0.0)
     spin = vec3(0.0, arm * d / moment, 0.0)
     nothing = vec3()
-    arguments = (vec3(0.0, 0.0, d), torque, nothing, spin, nothing, d * d, 1.0 / mass)
+    arguments = (vec3(0.0, 0.0, d), torque, nothing, spin, nothing, d * d, d * d, 1.0 / mass)
     assert of(pair_frequency, *arguments) == pytest.approx(1.0 / mass + arm**2 / moment)
 
 
 def test_pinched_body_has_at_least_the_frequency_of_a_single_contact():
     nothing = vec3()
-    arguments = (nothing, nothing, nothing, nothing, nothing, 2e-8, 4.0)
+    arguments = (nothing, nothing, nothing, nothing, nothing, 2e-8, 2e-8, 4.0)
     assert of(pair_frequency, *arguments) == 4.0
 
 

@@ -109,4 +109,5 @@ def test_account_of_friction_balances_to_second_order_while_slip_turns():
     def imbalance(steps):
         return abs(spinning_slide(dt=0.3 / steps, time=0.3, **slide).energy.balance)
 
-    assert order_of(imbalance, (100, 200, 400)) > 1.8
+    # beyond, the rounding of 20 kJ of rotation
+    assert order_of(imbalance, (25, 50, 100)) > 1.8

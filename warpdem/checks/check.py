@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.checks import doubts
+from warpdem.checks.custom_laws import check_custom_laws
 from warpdem.checks.overlap import overlaps_at_start
 from warpdem.checks.report import Report, ShapeLine
 from warpdem.checks.timestep import TimeStep, automatic_step, masses
@@ -49,6 +50,7 @@ def check(scene: Scene) -> Report:
         SceneError: Shapes cannot be built from what the scene says, or bodies not be placed;
             carries all problems.
     """
+    check_custom_laws(scene)
     polyhedra = build_shapes(scene)
     placement = place(scene, polyhedra)
     step, problems = _step(scene, placement, polyhedra)

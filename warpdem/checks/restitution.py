@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from math import cos, cosh, hypot, log, pi, sin, tan, tanh
+from math import cos, cosh, hypot, log, pi, sin, sqrt, tan, tanh
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from warpdem.input.scene_contact import Contact
+    from warpdem.input.scene_run import Numerics
 
 
 def zeta_bilateral(e: float) -> float:
@@ -43,6 +46,16 @@ def zeta_clamped(e: float) -> float:
     if loss < 2.0:
         return cos(_root(lambda t: loss - 2.0 * t / tan(t), 0.0, 1.2))
     return cosh(_root(lambda t: 2.0 * t / tanh(t) - loss, 0.0, loss))
+
+
+def damping_ratio(law: Contact, how: Numerics) -> float:
+    """Damping ratio of a contact law, zero without a dashpot."""
+    if not law.damped:
+        return 0.0
+    if law.damping_ratio is not None or law.en2 is None:
+        return law.damping_ratio or 0.0
+    ratio = zeta_clamped if how.restitution == "clamped" else zeta_bilateral
+    return ratio(sqrt(law.en2))
 
 
 def _loss(e: float) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from warpdem.checks.restitution import zeta_bilateral, zeta_clamped
+from warpdem.checks.restitution import damping_ratio
 from warpdem.driving.plan import plan_of
 from warpdem.driving.rates import period_limit
 from warpdem.errors import Problem, SceneError
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from warpdem.driving.plan import Plan
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
-    from warpdem.input.scene import Contact, Scene
+    from warpdem.input.scene import Scene
+    from warpdem.input.scene_contact import Contact
 
 STEPS_IN_CONTACT = 20
 """Steps of the shortest contact under ``dt = "auto"``: restitution right to 1e-3 or better."""
@@ -268,10 +269,19 @@ def _bound(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedro
         arms, normals, share = loaded_points(shapes[placement.shape[body]])
         stiffness = [max((getattr(law, k) for law in own), default=0.0) for k in ("kn", "kt", "kr")]
         kn, kt, kr = (share * k for k in stiffness)
+        kn *= _steepening(scene)
         arms = arms * placement.scale[body]
         square = block_bound(float(mass[body]), moments[body], arms, normals, (kn, kt, kr))
         highest = max(highest, square)
     return 2.0 / sqrt(highest) * _damped_share(scene, laws) if highest > 0.0 else inf
+
+
+def _steepening(scene: Scene) -> float:
+    """Slope of one of two equal sub-contacts, in kn, when the other stays as it is."""
+    p = scene.run.partnership_exponent
+    if scene.run.partnership != "pnorm":
+        return 1.0
+    return max(1.0, (p - 1.0) * 2.0 ** (2.0 / p - 1.0))
 
 
 def _damped_share(scene: Scene, laws: Mapping[tuple[str, str], Contact]) -> float:
@@ -279,8 +289,7 @@ def _damped_share(scene: Scene, laws: Mapping[tuple[str, str], Contact]) -> floa
     how = scene.run.resolved()
     if how.contact_update == "predicted" or not laws:
         return 1.0
-    ratio = zeta_clamped if how.restitution == "clamped" else zeta_bilateral
-    zeta = max(ratio(sqrt(law.en2)) for law in laws.values())
+    zeta = max(damping_ratio(law, how) for law in laws.values())
     return hypot(1.0, zeta) - zeta
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from warpdem.input.contact_rules import attraction, dashpot, laws_of_their_own, programs
 from warpdem.input.driver_rules import DRIVER_RULES
 from warpdem.input.scene_reading import Fault, entries, given, number, numbers, read, tables, text
 from warpdem.input.scene_references import (
@@ -14,7 +15,7 @@ from warpdem.input.scene_references import (
     terrain_stands,
     unique_names,
 )
-from warpdem.input.scene_run import ROCKABLE, Numerics
+from warpdem.input.scene_run import PROGRAMS, Numerics
 
 
 def rolling(scene: Any) -> Iterator[Fault]:
@@ -32,15 +33,16 @@ def compatibility(scene: Any) -> Iterator[Fault]:
     run = read(scene, "run")
     if not (isinstance(run, Mapping) or hasattr(run, "model_fields_set")):
         return
-    if read(run, "compat") != "rockable":
-        if read(run, "list_distance") is not None:
-            value = read(run, "list_distance")
-            yield Fault(("run", "list_distance"), value, 'only with compat = "rockable"')
+    compat = read(run, "compat")
+    if compat != "rockable" and read(run, "list_distance") is not None:
+        value = read(run, "list_distance")
+        yield Fault(("run", "list_distance"), value, 'only with compat = "rockable"')
+    if not isinstance(compat, str) or compat not in PROGRAMS:
         return
     for key in Numerics.model_fields:
-        value = getattr(ROCKABLE, key)
+        value = getattr(PROGRAMS[compat], key)
         if given(run, key) and read(run, key) != value:
-            rule = f'compat = "rockable" sets "{value}": leave one of the two out'
+            rule = f'compat = "{compat}" sets "{value}": leave one of the two out'
             yield Fault(("run", key), read(run, key), rule)
 
 
@@ -148,6 +150,10 @@ RULES = (
     terrain_stands,
     contact_pairs,
     rolling,
+    dashpot,
+    attraction,
+    laws_of_their_own,
+    programs,
     compatibility,
     clock,
     boxes,

@@ -8,13 +8,13 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from warpdem.input.consistency import consistency
+from warpdem.input.scene_contact import Contact
 from warpdem.input.scene_driver import Driver
 from warpdem.input.scene_fill import Fill
 from warpdem.input.scene_run import Run
 from warpdem.input.scene_shapes import Shape
 from warpdem.input.scene_values import (
     Name,
-    NotNegative,
     Positive,
     Quaternion,
     Section,
@@ -74,37 +74,6 @@ class Body(Section):
 
     fixed: bool = False
     """true: no force moves it; it keeps its velocity and spin, or a [[driver]] moves it."""
-
-
-class Contact(Section):
-    """The law of contact between two groups, or within one; parameters of each sub-contact."""
-
-    groups: Annotated[tuple[Name, ...], Field(min_length=2, max_length=2, strict=False)]
-    """The two groups, in any order; the same twice for contacts within a group."""
-
-    law: Literal["default"] = "default"
-    """"default": linear spring and dashpot that never pull, Coulomb friction with a spring."""
-
-    kn: Positive
-    """Normal stiffness [N/m]."""
-
-    kt: NotNegative
-    """Tangential stiffness [N/m]; 0 leaves no friction."""
-
-    en2: Annotated[float, Field(gt=0, le=1)]
-    """Energy kept by a rebound, the square of the restitution coefficient [-]."""
-
-    mu: NotNegative
-    """Friction coefficient [-]."""
-
-    kr: NotNegative = 0.0
-    """Rolling stiffness [N m/rad]; 0: no rolling resistance."""
-
-    mur: NotNegative = 0.0
-    """Rolling cap: the moment stays below mur times the normal force [m] (run.rolling_arm)."""
-
-    fc: NotNegative = 0.0
-    """Constant attraction while in contact [N]."""
 
 
 class Output(Section):

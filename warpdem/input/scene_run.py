@@ -27,8 +27,9 @@ class Numerics(Section):
     """Velocity a dashpot sees: "predicted", that of the step's end (second order); "lagged", that
     of the half step (first order)."""
 
-    rotation: Literal["no_squish", "taylor"] = "no_squish"
-    """Drift of orientations: "no_squish", symplectic; "taylor", Rockable's, for comparison."""
+    rotation: Literal["no_squish", "taylor", "euler"] = "no_squish"
+    """Drift of orientations: "no_squish", symplectic; "taylor" and "euler", Rockable's and
+    exaDEM's, for comparison."""
 
     damping: Literal["pair", "contact"] = "pair"
     """What the restitution en2 holds for: "pair", a whole pair of bodies however many sub-contacts
@@ -48,8 +49,13 @@ class Numerics(Section):
     opening: Literal["cancel", "keep"] = "cancel"
     """What becomes of the tangential force when a contact opens: "cancel" or "keep" it."""
 
-    first_step: Literal["contacts", "gravity"] = "contacts"
-    """Forces of the very first half kick: "contacts", all; "gravity", gravity alone."""
+    moving_shares: Literal["passive", "plain"] = "passive"
+    """What friction does when run.partnership gives a sub-contact another share: "passive", it
+    never gains energy; "plain", its stiffness follows at once."""
+
+    first_step: Literal["contacts", "gravity", "forces"] = "contacts"
+    """What acts in the very first half kick: "contacts", all; "gravity", gravity and bonds alone;
+    "forces", all but torques."""
 
     rolling_arm: Literal["length", "branch"] = "length"
     """Arm of the rolling cap: "length", mur is a length [m]; "branch", mur is a number that
@@ -64,9 +70,26 @@ ROCKABLE = Numerics(
     friction_cap="elastic",
     friction_frame="fixed",
     opening="keep",
+    moving_shares="plain",
     first_step="gravity",
 )
 """The numerics of Rockable's program."""
+
+
+EXADEM = Numerics(
+    contact_update="lagged",
+    rotation="euler",
+    damping="contact",
+    restitution="bilateral",
+    friction_cap="elastic",
+    friction_frame="fixed",
+    moving_shares="plain",
+    first_step="forces",
+)
+"""The numerics of exaDEM's kernels."""
+
+PROGRAMS = {"rockable": ROCKABLE, "exadem": EXADEM}
+"""The numerics that ``compat`` sets, by its value."""
 
 
 class Run(Numerics):
@@ -95,8 +118,21 @@ class Run(Numerics):
     """Distance within which feature pairs are listed as candidates [m]; changes the speed, never
     the result."""
 
-    compat: Literal["none", "rockable"] = "none"
-    """"rockable": the numerics of Rockable's program, to compare with it."""
+    compat: Literal["none", "rockable", "exadem"] = "none"
+    """"rockable", "exadem": the numerics of these programs, to compare with them."""
+
+    partnership: Literal["sum", "pnorm", "number", "overlap"] = "sum"
+    """How sub-contacts of two bodies share their stiffness: "sum", each has all of it; "pnorm",
+    (d/g)^(p-2) of it, g = (sum d^p)^(1/p), d the overlaps; "number", one nth; "overlap", d/sum d.
+    The last two, Rockable's, do not conserve energy."""
+
+    partnership_exponent: Annotated[float, Field(ge=2, le=16)] = 4.0
+    """p of "pnorm" [-]; 2 is "sum"."""
+
+    cohesion: Literal["exadem", "documented"] = "exadem"
+    """How attraction at a distance (contact.dncut) goes on in contact: "exadem", fc is taken off
+    the repulsion, without a jump; "documented", the force is held at -fc up to an overlap of dncut
+    and may pull without bound beyond, with a jump at touch."""
 
     list_distance: Positive | None = None
     """Rockable's dVerlet [m]: features farther apart are unseen until lists are renewed; only with
@@ -104,6 +140,6 @@ class Run(Numerics):
 
     def resolved(self) -> Numerics:
         """The numerics in force, after ``compat``."""
-        if self.compat == "rockable":
-            return ROCKABLE
+        if self.compat != "none":
+            return PROGRAMS[self.compat]
         return Numerics.model_validate({key: getattr(self, key) for key in Numerics.model_fields})

@@ -16,7 +16,6 @@ SYNONYMS = {
     "centre": "position",
     "checkpoint": "checkpoint_every",
     "cohesion": "fc",
-    "damping_ratio": "en2",
     "dimensions": "size",
     "driven": "fixed",
     "end": "duration",
