@@ -7,9 +7,10 @@ A step is: half kick and drift (``drift``), forces, half kick (``kick``). Tucker
 import functools
 
 import warp as wp
+from warpdem.kernels.driving import follow, respond
 from warpdem.kernels.external import Forces, external_forces
 from warpdem.kernels.precision import mat33, real, vec3
-from warpdem.kernels.rotation import arc, exponential
+from warpdem.kernels.rotation import arc
 from warpdem.kernels.surfaces import tilt
 from warpdem.kernels.variant import inlined, plain, variant
 from warpdem.kernels.views import (
@@ -17,6 +18,7 @@ from warpdem.kernels.views import (
     Bodies,
     Cell,
     Clock,
+    Drives,
     External,
     Geometry,
     Incidence,
@@ -111,12 +113,15 @@ def drift(
     *,
     predicted: bool,
     driven: bool,
+    controlled: bool,
+    stepwise: bool,
     contacts: bool,
     surfaces: bool,
     deforming: bool,
 ) -> wp.Kernel:
     """Kernel of the first half kick and the drift; ``rotate`` is a drift of kernels.rotation."""
     watch = watching(surfaces=surfaces and driven)
+    follow_drives = follow(controlled=controlled, stepwise=stepwise)
 
     @variant
     def drift(
@@ -128,6 +133,7 @@ def drift(
         span: wp.array(dtype=wp.int32),
         cell: Cell,
         # in and out
+        drives: Drives,
         bodies: Bodies,
         # out
         clock: Clock,
@@ -139,9 +145,7 @@ def drift(
         if inertia.inverse_mass[body] == real(0.0):
             if wp.static(driven):
                 if inertia.driven[body] != 0:
-                    spin = bodies.spin[body]
-                    bodies.position[body] = bodies.position[body] + bodies.velocity[body] * dt
-                    bodies.orientation[body] = exponential(bodies.orientation[body], spin, dt)
+                    follow_drives(inertia, drives, bodies, body, dt)
                     bodies.rotation[body] = wp.quat_to_matrix(bodies.orientation[body])
                     place_arms(geometry, bodies, body)
                     watch(geometry, bodies, clock, body, real(0.0))
@@ -221,9 +225,18 @@ def book(energy: Account, body: int, power: real, dt: real):
 
 @functools.cache
 def kick(
-    torque_of: wp.Function, forces: Forces, *, contacts: bool, account: bool, deforming: bool
+    torque_of: wp.Function,
+    forces: Forces,
+    *,
+    contacts: bool,
+    controlled: bool,
+    work: bool,
+    deforming: bool,
 ) -> wp.Kernel:
-    """Kernel of the gathering of forces and the second half kick."""
+    """Kernel of the gathering of forces and the second half kick.
+
+    ``controlled``: some driven bodies follow a force; ``work``: account of the work of all.
+    """
     act = external_forces(forces)
 
     @variant
@@ -240,6 +253,7 @@ def kick(
         clock: Clock,
         cell: Cell,
         # in and out
+        drives: Drives,
         bodies: Bodies,
         # out
         energy: Account,
@@ -249,7 +263,7 @@ def kick(
             return
         free = inertia.inverse_mass[body] != real(0.0)
         if not free:
-            if wp.static(not account):
+            if wp.static(not (controlled or work)):
                 return
             if inertia.driven[body] == 0:
                 return
@@ -280,7 +294,11 @@ def kick(
             bodies.momentum[body] = bodies.momentum[body] + force * half
             bodies.angular_momentum[body] = spun + torque * half
         else:
-            power = -wp.dot(force, bodies.velocity[body]) - wp.dot(torque, bodies.spin[body])
-            book(energy, body, power, dt)
+            if wp.static(controlled):
+                respond(inertia, drives, bodies, body, force, torque, dt)
+            if wp.static(work):
+                power = -wp.dot(force, bodies.velocity_end[body])
+                power -= wp.dot(torque, bodies.spin_end[body])
+                book(energy, body, power, dt)
 
     return kick

@@ -60,7 +60,7 @@ class Inertia:
     inverse_mass: wp.array(dtype=real)
     moment: wp.array(dtype=vec3)
     inverse_moment: wp.array(dtype=vec3)
-    driven: wp.array(dtype=wp.int32)
+    driven: wp.array(dtype=wp.int32)  # place among the driven bodies + 1; 0 for all others
 
 
 @wp.struct
@@ -83,6 +83,55 @@ class Bodies:
     # where the lists were made
     listed_position: wp.array(dtype=vec3)
     listed_orientation: wp.array(dtype=quat)
+
+
+@wp.struct
+class Drives:
+    """Imposed motion of the driven bodies, and what those move by that follow a force.
+
+    Rows are of a step and a driven body, at (step - base) * count + place.
+    """
+
+    count: int
+    base: wp.array(dtype=wp.int32)  # first step of the rows
+    steps: wp.array(dtype=wp.int32)  # number of steps done, of the first host thread's clock
+    # imposed, rows: at the step's end; velocities also at the half step
+    position: wp.array(dtype=vec3)
+    orientation: wp.array(dtype=quat)
+    velocity: wp.array(dtype=vec3)
+    spin: wp.array(dtype=vec3)
+    velocity_end: wp.array(dtype=vec3)
+    spin_end: wp.array(dtype=vec3)
+    # imposed on those that follow a force, rows, along the world's axes
+    force: wp.array(dtype=vec3)  # at the step's end [N]
+    moment: wp.array(dtype=vec3)  # [N m]
+    pressure: wp.array(dtype=vec3)  # to be multiplied by the area [Pa]
+    loose: wp.array(dtype=vec3)  # 1 where the axis follows the force during the step, else 0
+    loose_spin: wp.array(dtype=vec3)
+    # of a driven body, along the world's axes; inverses are 0 where no force moves it
+    inverse_mass: wp.array(dtype=vec3)
+    inverse_inertia: wp.array(dtype=vec3)
+    damping: wp.array(dtype=vec3)
+    spin_damping: wp.array(dtype=vec3)
+    # of a driven body: the rows of the present step, for the kick
+    now: wp.array(dtype=mat33)  # force, moment, pressure in its rows
+    now_loose: wp.array(dtype=mat33)  # loose, loose_spin in its first two
+    now_end: wp.array(dtype=mat33)  # velocity_end, spin_end in its first two
+    area: wp.array(dtype=real)  # a pressure acts on, at 3 place + axis [m^2]
+    # state: how far a force has moved it from the imposed motion
+    offset: wp.array(dtype=vec3)
+    turn: wp.array(dtype=quat)
+
+
+@wp.struct
+class Gauge:
+    """A rectangle between two pairs of walls: where its area goes, and how it is measured."""
+
+    place: int  # in Drives.area
+    low: wp.vec2i  # body on the lower side of each pair
+    high: wp.vec2i
+    axis: wp.vec2i
+    less: wp.vec2d  # distance of the centres less the clear width [m]
 
 
 @wp.struct

@@ -16,6 +16,7 @@ DEVICE_SIDE = {
     "device_forces",
     "device_shapes",
     "devices",
+    "drives",
     "images",
     "lists",
     "materials",
@@ -26,6 +27,7 @@ DEVICE_SIDE = {
     "simulation",
     "stages",
     "state",
+    "step_bound",
     "stepper",
 }
 

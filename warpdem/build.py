@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import warp as wp
 from warpdem.checks.timestep import masses
 from warpdem.device_forces import external_of
 from warpdem.device_shapes import shape_arrays
+from warpdem.drives import allocate_drives, gauges
 from warpdem.features import Features, has_tree, large_bodies, surface_bodies
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Geometry, Inertia
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from warpdem.arrays import FloatArray
+    from warpdem.driving.plan import Plan
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.input.scene import Scene
@@ -35,6 +38,7 @@ def build(
     placement: Placement,
     polyhedra: Mapping[str, Polyhedron],
     features: Features,
+    plan: Plan,
     device: Any,
 ) -> tuple[Model, State]:
     """Model and state of a placed scene on a device."""
@@ -49,7 +53,7 @@ def build(
         device=device,
         features=features,
         geometry=geometry,
-        inertia=_inertia(placement, mass, moment, device),
+        inertia=_inertia(plan, mass, moment, device),
         materials=materials(scene, placement, features, device),
         group_count=len(placement.groups),
         gravity=np.array(scene.gravity.vector),
@@ -67,9 +71,12 @@ def build(
         cell_size=scene.cell.size if scene.cell else (),
         solid_volume=_solid_volume(placement, shapes),
         trees=trees,
+        gauges=gauges(device, plan),
     )
     cell = cell_of(scene, placement, polyhedra, features, device)
-    state = allocate(device, len(mass), arms, cell, account=features.account)
+    state = allocate(device, len(mass), arms, cell, work=features.work or features.acted)
+    drives = allocate_drives(device, plan, features, state.clock)
+    state = replace(state, drives=drives)
     _start(state, placement, mass, moment)
     return model, state
 
@@ -114,13 +121,14 @@ def _body_arrays(
     return int(starts[-1])
 
 
-def _inertia(placement: Placement, mass: FloatArray, moment: FloatArray, device: Any) -> Inertia:
+def _inertia(plan: Plan, mass: FloatArray, moment: FloatArray, device: Any) -> Inertia:
     inertia = Inertia()
-    driven = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
+    driven = np.zeros(len(mass), np.int32)
+    driven[plan.bodies] = 1 + np.arange(len(plan.bodies))
     inertia.inverse_mass = on(device, 1.0 / mass, real)
     inertia.moment = on(device, np.where(np.isfinite(moment), moment, 0.0), vec3)
     inertia.inverse_moment = on(device, 1.0 / moment, vec3)
-    inertia.driven = on(device, driven.astype(np.int32), wp.int32)
+    inertia.driven = on(device, driven, wp.int32)
     return inertia
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import warp as wp
 
 from warpdem.kernels.candidates import find_candidates
+from warpdem.kernels.driving import wall_frequency
 from warpdem.kernels.images import find_images, wrap_bodies
 from warpdem.kernels.integrate import orient
 from warpdem.kernels.measures import frequency_bound
@@ -56,6 +57,8 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
     kernels["history"] = history_kernel(has)
     kernels["incidence"] = incidence_keys
     kernels["measures"] = frequency_bound(has.partnership, periodic=has.periodic)
+    if has.controlled:
+        kernels["wall measures"] = wall_frequency
     return kernels
 
 

@@ -41,6 +41,9 @@ class Features:
     large: bool
     spherical: bool
     driven: bool
+    controlled: bool
+    stepwise: bool
+    work: bool
     predicted: bool
     rotation: str
     first_step: str
@@ -74,6 +77,12 @@ class Features:
     cell_sums: bool
     account: bool
 
+    @property
+    def acted(self) -> bool:
+        """Account is kept of forces on single bodies."""
+        barriers = self.velocity_barrier or self.spin_barrier
+        return self.account and (self.drag or self.fluid or self.numerical_damping or barriers)
+
 
 def features_of(
     scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
@@ -85,6 +94,7 @@ def features_of(
     table = scene.contact_table(placement.groups)
     laws = list(table.values())
     moving = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
+    driven = bool(moving.any()) or bool(scene.driver)
     how = scene.run.resolved()
     crowd = len(placement.shape) > 1 or scene.cell is not None
     contacts = bool(laws) and bool(free.any()) and crowd
@@ -100,7 +110,10 @@ def features_of(
         trees=any(has_tree(shape) for shape in used),
         large=bool((large_bodies(placement, shapes) & ~surface_bodies(placement, shapes)).any()),
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
-        driven=bool(moving.any()),
+        driven=driven,
+        controlled=any(driver.kind in {"control", "pressure"} for driver in scene.driver),
+        stepwise=driven and scene.run.compat == "rockable",
+        work=driven and (scene.output.energy or (bool(scene.driver) and scene.output.drivers)),
         periodic=scene.cell is not None,
         deforming=deforming,
         cell_sums=deforming and (scene.output.energy or held),

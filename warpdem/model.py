@@ -39,6 +39,7 @@ class Model:
         cell_size: Edges of the periodic cell at the start [m].
         solid_volume: Of the free bodies [m^3].
         trees: The feature trees, kept alive here.
+        gauges: What measures the areas of pressures.
     """
 
     device: Any
@@ -62,6 +63,7 @@ class Model:
     cell_size: tuple[float, ...]
     solid_volume: float
     trees: tuple[wp.Bvh, ...]
+    gauges: wp.array
 
     @property
     def body_count(self) -> int:

@@ -46,6 +46,7 @@ def snapshot(
         contacts=touching(state, lists, rolling=model.features.rolling) if contacts else None,
         energy=energy,
         cell=cell_state(model, state, lists, velocity),
+        work=state.account.work.numpy().copy() if model.features.work else None,
     )
 
 
@@ -62,8 +63,8 @@ def velocities(model: Model, state: State) -> tuple[FloatArray, FloatArray]:
         velocity = np.where(free, bodies.momentum.numpy() / model.mass[:, None], 0.0)
         spin = rotate_back(q, bodies.angular_momentum.numpy()) / model.moment
     spin = rotate(q, np.where(free, spin, 0.0))
-    velocity = np.where(free, velocity, bodies.velocity.numpy())
-    return velocity, np.where(free, spin, bodies.spin.numpy())
+    velocity = np.where(free, velocity, bodies.velocity_end.numpy())
+    return velocity, np.where(free, spin, bodies.spin_end.numpy())
 
 
 def _forces(model: Model, state: State, lists: Lists) -> tuple[FloatArray, FloatArray]:
@@ -158,13 +159,21 @@ def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, flo
     return float(kinetic), float(potential), float(elastic)
 
 
+def _works(model: Model, state: State) -> tuple[float, float]:
+    """What drivers and the cell have done, and what forces but gravity have [J]."""
+    done = state.account.work.numpy()
+    work = external = 0.0
+    if len(done) == model.body_count:
+        work, external = float(done[~model.free].sum()), float(done[model.free].sum())
+    if model.features.deforming:
+        work += float(state.cell.work.numpy()[0])
+    return work, external
+
+
 def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -> Energy:
     kinetic, potential, elastic = _stored(model, state, lists)
     lost = lists.spent + lists.since() - 0.5 * dt * lists.power()
-    done = state.account.work.numpy()
-    work, external = float(done[~model.free].sum()), float(done[model.free].sum())
-    if model.features.deforming:
-        work += float(state.cell.work.numpy()[0])
+    work, external = _works(model, state)
     place, _ = slots(lists)
     gap = lists.candidates.gap.numpy()[place]
     return Energy(
@@ -187,7 +196,7 @@ def fault(model: Model, state: State, dt: float) -> tuple[int, str]:
     speed = np.linalg.norm(state.bodies.velocity.numpy() - flow(model, state), axis=1)
     turn = np.linalg.norm(state.bodies.spin.numpy(), axis=1)
     reach = (speed + 0.3 * turn * model.bound) * dt / model.bound
-    reach[~model.free] = 0.0
+    reach[~model.free & np.isfinite(reach)] = 0.0
     bad = np.flatnonzero(~np.isfinite(reach))
     if len(bad):
         return int(bad[0]), "has no finite velocity (NaN)"

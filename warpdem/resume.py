@@ -27,6 +27,8 @@ BODIES = (
     "torque",
     "velocity",
     "spin",
+    "velocity_end",
+    "spin_end",
     "listed_position",
     "listed_orientation",
 )
@@ -42,6 +44,8 @@ def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
     saved = {name: getattr(state.bodies, name).numpy().copy() for name in BODIES}
     if state.cell.edges is not None:
         saved |= {f"cell_{name}": getattr(state.cell, name).numpy().copy() for name in KEPT}
+    saved["drives_offset"] = state.drives.offset.numpy().copy()
+    saved["drives_turn"] = state.drives.turn.numpy().copy()
     saved["work"] = state.account.work.numpy().copy()
     saved["body_power"] = state.account.body_power.numpy().copy()
     saved["spent"] = lists.spent.copy()
@@ -83,6 +87,8 @@ def put_back(
     for name in BODIES:
         getattr(bodies, name).assign(saved[name])
     _restore_cell(state, saved, edges="cell_listed")
+    state.drives.offset.assign(saved["drives_offset"])
+    state.drives.turn.assign(saved["drives_turn"])
     state.account.work.assign(saved["work"])
     state.account.body_power.assign(saved["body_power"])
     if contacts:

@@ -16,16 +16,17 @@ from warpdem.checks.custom_laws import check_custom_laws
 from warpdem.checks.timestep import automatic_step
 from warpdem.compile import load
 from warpdem.devices import find_device
+from warpdem.drives import Blocks
+from warpdem.driving.plan import plan_of
 from warpdem.errors import UnstableError
 from warpdem.features import features_of, stage_names
 from warpdem.filling.placement import place
 from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.integrate import orient
-from warpdem.kernels.measures import frequency_bound
-from warpdem.kernels.precision import real
 from warpdem.lists import Lists
-from warpdem.stages import Stage, after_drift, cell, cell_drift, drift, forces, halt, kick
+from warpdem.stages import Stage, after_drift, areas, cell, cell_drift, drift, forces, halt, kick
 from warpdem.state import cut
+from warpdem.step_bound import step_bound
 from warpdem.stepper import Stepper, launch
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ class Simulation:
         WarpdemError: The scene does not fit together, or the device does not exist.
 
     Attributes:
-        scene, polyhedra, placement, features: What the simulation was built from.
+        scene, polyhedra, placement, features, plan: What the simulation was built from.
         notes: Repairs and warnings, in words.
     """
 
@@ -76,14 +77,15 @@ class Simulation:
         self.dt = step.dt
         self.device = find_device(device or scene.run.device)
         self._threads = threads or os.cpu_count() or 1
+        self.plan = plan_of(scene, self.placement, self.polyhedra)
         self._model, self._state = build(
-            scene, self.placement, self.polyhedra, self.features, self.device
+            scene, self.placement, self.polyhedra, self.features, self.plan, self.device
         )
+        self._blocks = Blocks(self.plan, self.features, self._state.drives)
         self._lists = Lists(self._model, self._state)
         count = self.body_count
         self._whole = cut(self._state, count, 1, self.device)[0]
         self._shares = cut(self._state, count, self._crew_size(), self.device)
-        self._square = wp.zeros(self.body_count, dtype=real, device=self.device)
         self._time = 0.0
         self._time_steps = 0
         self._next_dt = self.dt
@@ -171,6 +173,7 @@ class Simulation:
         resume.put_back(self._state, self._lists, arrays, orient=self._orient, contacts=contacts)
         self._lists.rebuilds = int(arrays["counts"][2])
         self._state.clock.steps.fill_(int(arrays["counts"][1]))
+        self._blocks.forget()
         self._stepper.close()
         self._make_stages()
 
@@ -217,12 +220,8 @@ class Simulation:
     def _launch(self, *stages: Stage) -> None:
         self._whole.pairs.assign([0, self._lists.pair_count])
         for stage in stages:
-            count = {
-                "bodies": self.body_count,
-                "pairs": self._lists.pair_count,
-                "chunks": CHUNKS,
-                "one": 1,
-            }
+            count = {"bodies": self.body_count, "pairs": self._lists.pair_count}
+            count |= {"gauges": len(self._model.gauges), "chunks": CHUNKS, "one": 1}
             launch(stage, count[stage.over], self.device)
 
     def _orient(self) -> None:
@@ -242,7 +241,10 @@ class Simulation:
         wp.copy(state.bodies.listed_position, state.bodies.position)
         wp.copy(state.bodies.listed_orientation, state.bodies.orientation)
         whole = self._whole
+        self._blocks.at_rest()
         self._launch(drift(model, state, whole, 0.0))
+        if len(model.gauges):
+            self._launch(areas(model, state, whole))
         contacts = self.features.contacts
         if contacts:
             lists.rebuild()
@@ -275,17 +277,23 @@ class Simulation:
 
     def _run(self, count: int) -> None:
         """``count`` whole steps, fewer when the step size has to change."""
+        self._rows_left()
         self._launch(*self._drift)
         self._resolve()
         left = count - 1
         while left > 0 and self._next_dt == self.dt:
             before = self.step_count
-            self._stepper.cycles(left)
+            self._stepper.cycles(min(left, self._rows_left()))
             left -= self.step_count - before
             self._resolve()
         self._launch(*self._after)
         if self._next_dt != self.dt:
             self._change_step()
+
+    def _rows_left(self) -> int:
+        """Steps for which the motion of drivers is on the device now, one at least."""
+        since = self._time_steps
+        return self._blocks.left(self.step_count, since=since, time=self._time, dt=self.dt)
 
     def _resolve(self) -> None:
         """Act on what the clock says: name what flew off, renew the lists."""
@@ -336,26 +344,7 @@ class Simulation:
 
     def step_bound(self) -> float:
         """Largest stable step for the contacts that touch now [s]; infinite without any."""
-        model, state, lists = self._model, self._state, self._lists
-        if not lists.pair_count:
-            return float("inf")
-        wp.launch(
-            frequency_bound(self.features.partnership, periodic=self.features.periodic),
-            dim=self.body_count,
-            inputs=[
-                model.inertia,
-                model.materials,
-                state.bodies,
-                lists.pairs,
-                lists.candidates,
-                lists.incidence,
-                state.cell,
-            ],
-            outputs=[self._square],
-            device=self.device,
-        )
-        square = float(self._square.numpy().max())
-        return 2.0 / square**0.5 if square > 0 else float("inf")
+        return step_bound(self._model, self._state, self._lists)
 
     def _lower_step(self) -> None:
         if self._next_dt == self.dt:
@@ -367,6 +356,7 @@ class Simulation:
         self._time, self._time_steps = self.time, self.step_count
         self._lists.change_step(self.dt, self._next_dt)
         self.dt = self._next_dt
+        self._blocks.forget()
 
     def _change_step(self) -> None:
         self._lower_step()

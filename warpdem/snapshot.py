@@ -124,6 +124,8 @@ class Snapshot:
         energy: The energy account, when the scene keeps one; its kinetic energy is that of the
             motion against the homogeneous flow of a periodic cell.
         cell: The periodic cell, when there is one; positions are not wrapped into it.
+        energy: The energy account, when the scene keeps one.
+        work: What each body's driver has done [J], shape [body_count], when something is driven.
     """
 
     time: float
@@ -137,3 +139,4 @@ class Snapshot:
     contacts: Contacts | None = None
     energy: Energy | None = None
     cell: CellState | None = None
+    work: FloatArray | None = None

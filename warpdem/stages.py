@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from warpdem.kernels.cell import drift_cell, kick_cell, sum_stress
+from warpdem.kernels.driving import measure_areas
 from warpdem.kernels.external import Forces
 from warpdem.kernels.forces import pair_forces
 from warpdem.kernels.integrate import drift as drift_kernel
@@ -47,7 +48,7 @@ class Stage:
 
     name: str
     kernel: wp.Kernel
-    over: Literal["bodies", "pairs", "chunks", "one"]
+    over: Literal["bodies", "pairs", "gauges", "chunks", "one"]
     arguments: tuple[Any, ...]
 
 
@@ -58,6 +59,8 @@ def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
         _rotate(has),
         predicted=has.predicted,
         driven=has.driven,
+        controlled=has.controlled,
+        stepwise=has.stepwise,
         contacts=has.contacts,
         surfaces=has.surfaces,
         deforming=has.deforming,
@@ -68,6 +71,7 @@ def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
         dt,
         share.bodies,
         state.cell,
+        state.drives,
         state.bodies,
         share.clock,
     )
@@ -104,12 +108,12 @@ def kick(
     """Gather the wrenches, add body forces, second half kick."""
     has = model.features
     torque = free_torque if has.rotation == "no_squish" else taylor_torque
-    account = has.account and has.driven
     kernel = kick_kernel(
         torque,
         forces_on_bodies(has),
         contacts=contacts,
-        account=account,
+        controlled=has.controlled,
+        work=has.work,
         deforming=has.deforming,
     )
     arguments = (
@@ -122,6 +126,7 @@ def kick(
         lists.incidence,
         share.clock,
         state.cell,
+        state.drives,
         state.bodies,
         state.account,
     )
@@ -167,6 +172,12 @@ def cell(
     return (*stages, *waits)
 
 
+def areas(model: Model, state: State, share: Share) -> Stage:
+    """Areas that pressures act on, where no body is moving."""
+    arguments = (model.gauges, state.bodies, share.clock, state.drives)
+    return Stage("areas", measure_areas, "gauges", arguments)
+
+
 def meet(share: Share) -> Stage:
     """Wait for the other host threads."""
     arguments = (share.member, share.members, share.arrived)
@@ -196,13 +207,15 @@ def after_drift(
     model: Model, state: State, lists: Lists, share: Share, dt: float, *, onward: bool = False
 ) -> tuple[Stage, ...]:
     """The stages of a step that follow its drift; ``onward`` the cell drifts into the next one."""
-    contacts = model.features.contacts
+    has = model.features
+    contacts = has.contacts
     kicked = kick(model, state, lists, share, dt, contacts=contacts)
     deformed = cell(model, state, lists, share, dt, onward=onward)
+    measured = (areas(model, state, share),) if len(model.gauges) and share.member == 0 else ()
+    waits = (meet(share),) if share.members > 1 and (contacts or has.driven) else ()
     if not contacts:
-        return (*deformed, kicked)
-    waits = (meet(share),) if share.members > 1 else ()
-    return (forces(model, state, lists, share, dt), *waits, *deformed, kicked)
+        return (*measured, *waits, *deformed, kicked)
+    return (*measured, forces(model, state, lists, share, dt), *waits, *deformed, kicked)
 
 
 def cycle(model: Model, state: State, lists: Lists, share: Share, dt: float) -> tuple[Stage, ...]:

@@ -11,7 +11,7 @@ import warp as wp
 from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.meeting import LINE
 from warpdem.kernels.precision import mat33, quat, real, vec3, vec4
-from warpdem.kernels.views import Account, Bodies, Cell, Clock
+from warpdem.kernels.views import Account, Bodies, Cell, Clock, Drives
 
 
 @dataclass(frozen=True)
@@ -24,16 +24,18 @@ class State:
         clock: Flags and the step counter, shape [1] each.
         account: Energy bookkeeping; ``pair`` is owned by the lists.
         cell: The periodic cell; without arrays where the scene has none.
+        drives: Imposed motion, a block of steps at a time (see warpdem.drives).
     """
 
     bodies: Bodies
     clock: Clock
     account: Account
     cell: Cell
+    drives: Drives
 
 
-def allocate(device: Any, body_count: int, arm_count: int, cell: Cell, *, account: bool) -> State:
-    """A state of zeros."""
+def allocate(device: Any, body_count: int, arm_count: int, cell: Cell, *, work: bool) -> State:
+    """A state of zeros, its drives to be given; ``work``: that of drivers or forces is kept."""
 
     def zeros(dtype: Any, count: int = body_count) -> wp.array:
         return wp.zeros(count, dtype=dtype, device=device)
@@ -52,12 +54,12 @@ def allocate(device: Any, body_count: int, arm_count: int, cell: Cell, *, accoun
         setattr(clock, name, zeros(wp.int32, 1))
     clock.reach = zeros(real, 1)
     energy = Account()
-    kept = body_count if account else 1
+    kept = body_count if work else 1
     energy.body_power = zeros(real, kept)
     energy.work = zeros(real, kept)
     energy.pair = zeros(vec4, 1)
     energy.power = zeros(vec4, 1)
-    return State(bodies, clock, energy, cell)
+    return State(bodies, clock, energy, cell, Drives())
 
 
 @dataclass(frozen=True)

@@ -94,13 +94,10 @@ class Stepper:
         return capture.graph
 
     def _launch(self, stage: Stage, over: str) -> None:
-        room = {
-            "bodies": self._model.body_count,
-            "pairs": self._lists.pair_room,
-            "chunks": CHUNKS,
-            "one": 1,
-        }
-        launch(stage, room[over], self._model.device)
+        model = self._model
+        room = {"bodies": model.body_count, "pairs": self._lists.pair_room}
+        room |= {"gauges": len(model.gauges), "chunks": CHUNKS, "one": 1}
+        launch(stage, room[over], model.device)
 
 
 def launch(stage: Stage, count: int, device: Any) -> None:

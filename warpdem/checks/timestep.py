@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.checks.restitution import damping_ratio
+from warpdem.driving.plan import plan_of
+from warpdem.driving.rates import period_limit
 from warpdem.errors import Problem, SceneError
 from warpdem.input.decode import problem_at
 from warpdem.input.scene_references import meeting_groups
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from warpdem.arrays import FloatArray, IntArray
+    from warpdem.driving.plan import Plan
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.input.scene import Scene
@@ -121,20 +124,23 @@ def automatic_step(
     ``dt = "auto"`` the step is the least of a twentieth of the shortest contact, half of the
     stability bound, a tenth of a radian at the fastest initial spin (but for balls) and a quarter
     of a bounding radius at the initial velocity, or where nothing can touch at the velocity of a
-    fall for the whole run; then it is reduced to divide the time between frames.
+    fall for the whole run, and what resolves the motion of the drivers (a hundredth of a period);
+    then it is reduced to divide the time between frames.
 
     Raises:
         SceneError: The given step is unstable for a single contact, or bodies have masses beyond
             the range of numbers.
     """
     _refuse_impossible_masses(scene, placement, polyhedra)
-    stiff = [kn / mass for kn, mass in _pairs(scene, placement, polyhedra)]
+    plan = plan_of(scene, placement, polyhedra)
+    stiff = [kn / mass for kn, mass in _pairs(scene, placement, polyhedra, plan)]
     shortest = contact_time(max(stiff), 1.0) if stiff else inf
     bound = _bound(scene, placement, polyhedra)
     if scene.run.dt == "auto":
         fall = 0.0 if stiff else float(np.linalg.norm(scene.gravity.vector)) * scene.run.duration
         limits = [shortest / STEPS_IN_CONTACT, SHARE_OF_BOUND * bound, scene.frame_interval]
         limits.append(_motion_limit(placement, polyhedra, fall))
+        limits.append(period_limit(plan, scene.run.duration))
         dt = _dividing(min(limits), scene.frame_interval)
         return TimeStep(dt, bound, shortest, chosen=True, message="")
     dt = scene.run.dt
@@ -219,10 +225,12 @@ def _laws(scene: Scene, placement: Placement) -> dict[tuple[str, str], Contact]:
 
 
 def _pairs(
-    scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
+    scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron], plan: Plan
 ) -> Iterator[tuple[float, float]]:
     """Stiffness [N/m] and least effective mass [kg] of each two groups that can meet."""
     mass = masses(placement, polyhedra)[0]
+    with np.errstate(divide="ignore"):
+        mass[plan.bodies] = 1.0 / plan.walls.inverse_mass.max(axis=1, initial=0.0)
     lightest = {
         name: [*np.sort(mass[placement.group == index])[:2], inf, inf][:2]
         for index, name in enumerate(placement.groups)

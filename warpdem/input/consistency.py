@@ -7,6 +7,7 @@ from typing import Any
 
 from warpdem.input.consistency_cell import CELL_RULES
 from warpdem.input.contact_rules import attraction, dashpot, laws_of_their_own, programs
+from warpdem.input.driver_rules import DRIVER_RULES
 from warpdem.input.rules_force import forces
 from warpdem.input.rules_surface import containers, surfaces_stand
 from warpdem.input.scene_reading import Fault, entries, given, number, numbers, read, tables, text
@@ -168,6 +169,7 @@ RULES = (
     regions,
     sizes,
     *CELL_RULES,
+    *DRIVER_RULES,
 )
 
 

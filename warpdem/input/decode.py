@@ -158,16 +158,17 @@ def _override(
 
 def _files(data: dict[str, Any], directory: Path) -> list[Fault]:
     faults = []
-    for kind in ("shape", "force"):
-        for index, table in tables(data, kind):
-            file = text(table, "file")
-            try:
-                lacking = file and not (directory / file).is_file()
-            except (OSError, ValueError):
-                lacking = True
-            if lacking:
-                rule = f"there is no such file in {directory.absolute()}"
-                faults.append(Fault((kind, index, "file"), file, rule))
+    kinds = ("shape", "force", "driver")
+    named = [(kind, *entry) for kind in kinds for entry in tables(data, kind)]
+    for kind, index, table in named:
+        file = text(table, "file")
+        try:
+            lacking = file and not (directory / file).is_file()
+        except (OSError, ValueError):
+            lacking = True
+        if lacking:
+            rule = f"there is no such file in {directory.absolute()}"
+            faults.append(Fault((kind, index, "file"), file, rule))
     return faults
 
 

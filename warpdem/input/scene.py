@@ -10,6 +10,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 from warpdem.input.consistency import consistency
 from warpdem.input.scene_cell import Cell
 from warpdem.input.scene_contact import Contact
+from warpdem.input.scene_driver import Driver
 from warpdem.input.scene_fill import Fill
 from warpdem.input.scene_force import Force
 from warpdem.input.scene_run import Run
@@ -74,7 +75,7 @@ class Body(Section):
     """Mass per volume [kg/m^3]; default: that of its group."""
 
     fixed: bool = False
-    """true: no force moves it; it keeps its velocity and spin, so it is a wall or a driver."""
+    """true: no force moves it; it keeps its velocity and spin, or a [[driver]] moves it."""
 
 
 class Output(Section):
@@ -94,6 +95,9 @@ class Output(Section):
 
     energy: bool = True
     """Keep account of the energies (energy.csv)."""
+
+    drivers: bool = True
+    """Write motion, contact force and work of the bodies that [[driver]]s move (drivers.csv)."""
 
     checkpoint_every: Positive | None = None
     """Simulated time between checkpoints [s]; default: at every frame."""
@@ -142,6 +146,8 @@ class Scene(Section):
 
     force: Annotated[tuple[Force, ...], Field(strict=False)] = ()
     """[[force]]: drag, a flowing fluid, numerical damping, barriers."""
+    driver: Annotated[tuple[Driver, ...], Field(strict=False)] = ()
+    """[[driver]]: what moves fixed bodies."""
 
     output: Output = Output()
     """[output]: what is written."""

@@ -114,6 +114,8 @@ def path_of(detail: dict[str, Any], data: Any) -> Path:
     """Key path of a fault in the file: pydantic's, without the names of union members."""
     path: Path = ()
     for place, part in enumerate(detail["loc"]):
+        if place and isinstance(detail["loc"][place - 1], int) and part == entry(data, "kind"):
+            continue  # a member of a union, even if a key is called so too
         last = place == len(detail["loc"]) - 1
         inner = entry(data, part)
         if inner is not None or isinstance(part, int) or (last and detail["type"] == "missing"):
@@ -146,6 +148,8 @@ def _quoted(names: list[str]) -> str:
 
 def _choice(value: Any, expected: str) -> str:
     names = re.findall(r"'([^']+)'", expected)
+    if not names:
+        return f"must be {expected}"
     hint = did_you_mean(value, names) if isinstance(value, str) else ""
     return f"must be {'one of ' if len(names) > 1 else ''}{_quoted(names)}{hint}"
 

@@ -14,8 +14,10 @@ from warpdem.output.cell_table import CELL_COLUMNS, cell_row
 from warpdem.output.series import Series
 from warpdem.output.surfaces import Surfaces
 from warpdem.output.table import (
+    DRIVERS_COLUMNS,
     ENERGY_COLUMNS,
     TRAJECTORY_COLUMNS,
+    Driven,
     Table,
     Trajectory,
     energy_row,
@@ -23,10 +25,11 @@ from warpdem.output.table import (
 from warpdem.output.writer import told
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
 
+    from warpdem.arrays import FloatArray
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.input.scene import Output
@@ -38,7 +41,13 @@ if TYPE_CHECKING:
 TRAJECTORY = "trajectory.csv"
 ENERGY = "energy.csv"
 CELL = "cell.csv"
-COLUMNS = {TRAJECTORY: TRAJECTORY_COLUMNS, ENERGY: ENERGY_COLUMNS, CELL: CELL_COLUMNS}
+DRIVERS = "drivers.csv"
+COLUMNS = {
+    TRAJECTORY: TRAJECTORY_COLUMNS,
+    ENERGY: ENERGY_COLUMNS,
+    CELL: CELL_COLUMNS,
+    DRIVERS: DRIVERS_COLUMNS,
+}
 
 
 class Recorder:
@@ -52,6 +61,7 @@ class Recorder:
         writer: The thread that does it, in the order of the calls.
         start: The checkpoint the run resumes from: the files are cut back to it.
         cell: There is a periodic cell.
+        driven: Numbers of the bodies that drivers move; with any, a table of them is written.
 
     Raises:
         OutputError: A file cannot be opened, or is not the one the checkpoint belongs to.
@@ -67,6 +77,7 @@ class Recorder:
         start: Checkpoint | None = None,
         *,
         cell: bool = False,
+        driven: Sequence[int] = (),
     ) -> None:
         self._folder = folder
         self._output = output
@@ -75,7 +86,8 @@ class Recorder:
         self._times = dict(start.frame_times) if start else {}
         self._lengths = dict(start.table_lengths) if start else {}
         self._surfaces = Surfaces(polyhedra, placement) if output.surface else None
-        self._trajectory = _trajectory(polyhedra, placement)
+        self._trajectory = _trajectory(polyhedra, placement, driven)
+        self._driven = _driven(polyhedra, placement, driven) if len(driven) else None
         try:
             self._series = {stem: self._open_series(stem) for stem in self._stems()}
             self._tables = {name: self._open_table(name) for name in self._table_names()}
@@ -116,6 +128,7 @@ class Recorder:
 
     def _table_names(self) -> list[str]:
         wanted = {TRAJECTORY: self._output.table, ENERGY: self._output.energy, CELL: self._cell}
+        wanted[DRIVERS] = self._output.drivers and self._driven is not None
         return [name for name, is_wanted in wanted.items() if is_wanted]
 
     def _open_series(self, stem: str) -> Series:
@@ -140,6 +153,8 @@ class Recorder:
             self._tables[ENERGY].append(energy_row(snapshot.time, snapshot.energy))
         if self._cell and snapshot.cell:
             self._tables[CELL].append(cell_row(snapshot.time, snapshot.cell))
+        if self._output.drivers and self._driven:
+            self._tables[DRIVERS].append(self._driven.rows(snapshot))
 
     def _frame(self, stem: str, snapshot: Snapshot, grid: vtkUnstructuredGrid) -> None:
         from warpdem.output import vtu  # noqa: PLC0415 - loads VTK
@@ -160,9 +175,25 @@ class Recorder:
         checkpoints.save(self._folder.checkpoint, whole)
 
 
-def _trajectory(polyhedra: Mapping[str, Polyhedron], placement: Placement) -> Trajectory:
+def _trajectory(
+    polyhedra: Mapping[str, Polyhedron], placement: Placement, driven: Sequence[int]
+) -> Trajectory:
     """Rows for the bodies that move, freely or driven."""
-    driven = np.any(placement.velocity, axis=1) | np.any(placement.spin, axis=1)
-    bodies = np.flatnonzero(~placement.fixed | driven)
+    moving = np.any(placement.velocity, axis=1) | np.any(placement.spin, axis=1)
+    moving[np.asarray(driven, np.int64)] = True
+    bodies = np.flatnonzero(~placement.fixed | moving)
+    return Trajectory(bodies, _frames(polyhedra, placement)[bodies])
+
+
+def _driven(
+    polyhedra: Mapping[str, Polyhedron], placement: Placement, driven: Sequence[int]
+) -> Driven:
+    bodies = np.asarray(driven, np.int64)
+    names = [placement.names[body] for body in bodies]
+    return Driven(bodies, names, _frames(polyhedra, placement)[bodies])
+
+
+def _frames(polyhedra: Mapping[str, Polyhedron], placement: Placement) -> FloatArray:
+    """Rotation from the principal frame to the file's axes of each body, shape [body_count, 4]."""
     rotations = np.array([polyhedron.frame_rotation for polyhedron in polyhedra.values()])
-    return Trajectory(bodies, rotations[placement.shape[bodies]])
+    return rotations[placement.shape]

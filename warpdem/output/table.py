@@ -11,6 +11,7 @@ from warpdem.errors import OutputError
 from warpdem.geometry.orientation import product
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
 
     from warpdem.arrays import FloatArray, IntArray
@@ -21,6 +22,7 @@ ENERGY_COLUMNS = (
     "t,kinetic,potential,elastic,dashpot,friction,rolling,work,external,balance,contacts,"
     "largest_overlap"
 )
+DRIVERS_COLUMNS = "t,name,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz,fx,fy,fz,mx,my,mz,work"
 
 _REAL = "%.17g"  # 17 digits return every double exactly
 
@@ -108,6 +110,52 @@ class Trajectory:
             ]
         )
         return self._format % tuple(table.ravel().tolist())
+
+
+class Driven:
+    """Rows of the bodies that drivers move; written again and again.
+
+    Args:
+        bodies: Their numbers, shape [listed_count].
+        names: Of these bodies.
+        frame_rotation: As for `Trajectory`, of these bodies, shape [listed_count, 4].
+    """
+
+    def __init__(self, bodies: IntArray, names: Sequence[str], frame_rotation: FloatArray) -> None:
+        self._bodies = bodies
+        self._names = [_quoted(name) for name in names]
+        self._to_file_axes = frame_rotation * np.array([1.0, -1.0, -1.0, -1.0])
+
+    def rows(self, snapshot: Snapshot) -> str:
+        """One line a body for one instant; columns as in ``DRIVERS_COLUMNS``, world, SI.
+
+        f and m are the contact force on the body and its moment about the centre of mass.
+        """
+        assert snapshot.work is not None
+        listed = self._bodies
+        table = np.column_stack(
+            [
+                snapshot.position[listed],
+                snapshot.velocity[listed],
+                product(snapshot.orientation[listed], self._to_file_axes),
+                snapshot.spin[listed],
+                snapshot.force[listed],
+                snapshot.torque[listed],
+                snapshot.work[listed],
+            ]
+        )
+        lines = [
+            ",".join([_REAL % snapshot.time, name, *(_REAL % value for value in row)])
+            for name, row in zip(self._names, table.tolist(), strict=True)
+        ]
+        return "".join(f"{line}\n" for line in lines)
+
+
+def _quoted(name: str) -> str:
+    """A name as a CSV field (RFC 4180)."""
+    if not {*name} & {*',"\r\n'}:
+        return name
+    return '"' + name.replace('"', '""') + '"'
 
 
 def energy_row(time: float, energy: Energy) -> str:

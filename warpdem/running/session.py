@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from warpdem import __version__
+from warpdem.driving.plan import listed_bodies
 from warpdem.errors import OutputError, UnstableError
 from warpdem.output import checkpoint as checkpoints
 from warpdem.output import summary
@@ -92,6 +93,7 @@ class Session:
             writer,
             self.start,
             cell=self.scene.cell is not None,
+            driven=listed_bodies(self.scene, simulation.placement).tolist(),
         )
         try:
             with writer:

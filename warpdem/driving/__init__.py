@@ -1,0 +1,1 @@
+"""Motion of the driven bodies as functions of time: NumPy, no Warp."""
