@@ -10,7 +10,7 @@ import warp as wp
 from warpdem.checks.restitution import zeta_bilateral, zeta_clamped
 from warpdem.checks.timestep import masses
 from warpdem.device_shapes import shape_arrays
-from warpdem.features import Features, has_tree, large_bodies
+from warpdem.features import Features, large_bodies, ranks
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Geometry, Inertia, Material
 from warpdem.model import Model, on
@@ -82,10 +82,6 @@ def _body_arrays(
     """Fill the body-to-shape table; returns the number of vertices of all bodies."""
     counts = np.array([len(shape.vertices) for shape in shapes])[placement.shape]
     starts = np.concatenate([[0], np.cumsum(counts)])
-    tree = np.array([has_tree(shape) for shape in shapes])[placement.shape]
-    order = np.lexsort((np.arange(len(counts)), tree, large))
-    rank = np.empty(len(counts), dtype=np.int32)
-    rank[order] = np.arange(len(counts))
     radius = np.array([shape.radius for shape in shapes])[placement.shape] * placement.scale
     geometry.shape = on(device, placement.shape.astype(np.int32), wp.int32)
     geometry.scale = on(device, placement.scale, real)
@@ -93,7 +89,7 @@ def _body_arrays(
     geometry.bound = on(device, bound, real)
     geometry.arm_start = on(device, starts[:-1].astype(np.int32), wp.int32)
     geometry.group = on(device, placement.group.astype(np.int32), wp.int32)
-    geometry.rank = on(device, rank, wp.int32)
+    geometry.rank = on(device, ranks(placement, shapes), wp.int32)
     geometry.large = on(device, large.astype(np.int32), wp.int32)
     return int(starts[-1])
 

@@ -49,6 +49,10 @@ class Features:
     branch_arm: bool
     cohesion: bool
     account: bool
+    bonds: bool
+    bond_damping: bool
+    bond_moments: bool
+    bond_creep: bool
 
 
 def features_of(
@@ -75,6 +79,10 @@ def features_of(
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
         driven=bool(moving.any()),
         account=scene.output.energy,
+        bonds=bool(scene.bond),
+        bond_damping=any(bond.damping_ratio or bond.en2 < 1.0 for bond in scene.bond),
+        bond_moments=any(bond.kr > 0.0 for bond in scene.bond),
+        bond_creep=bool(scene.bond) and scene.run.compat == "rockable",
         **_numerics(how, laws, friction=friction),
     )
 
@@ -112,6 +120,15 @@ def large_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
     return bound > LARGE_BODY * float(np.median(bound[free]))
 
 
+def ranks(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
+    """Rank of each body, shape [body_count]; of two bodies the lower one owns the pair."""
+    tree = np.array([has_tree(shape) for shape in shapes])[placement.shape]
+    order = np.lexsort((np.arange(len(tree)), tree, large_bodies(placement, shapes)))
+    rank = np.empty(len(tree), dtype=np.int32)
+    rank[order] = np.arange(len(tree))
+    return rank
+
+
 def _is_spherical(shape: Polyhedron) -> bool:
     moment = shape.inertia_over_mass
     return bool(np.ptp(moment) <= SPHERICAL * np.max(moment))
@@ -121,4 +138,5 @@ def stage_names(features: Features) -> tuple[str, ...]:
     """The stages of one step, in order."""
     if not features.contacts:
         return ("drift", "kick")
-    return ("drift", "rebuild if moved", "pair forces", "gather and kick")
+    bonds = ("bond forces",) if features.bonds else ()
+    return ("drift", "rebuild if moved", "pair forces", *bonds, "gather and kick")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from warpdem.input.bond_rules import RULES as BOND_RULES
 from warpdem.input.scene_reading import Fault, entries, given, number, numbers, read, tables, text
 from warpdem.input.scene_references import (
     contact_pairs,
@@ -155,6 +156,7 @@ RULES = (
     fills,
     regions,
     sizes,
+    *BOND_RULES,
 )
 
 

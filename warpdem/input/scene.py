@@ -8,6 +8,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from warpdem.input.consistency import consistency
+from warpdem.input.scene_bond import Bond
 from warpdem.input.scene_fill import Fill
 from warpdem.input.scene_run import Run
 from warpdem.input.scene_shapes import Shape
@@ -124,6 +125,12 @@ class Output(Section):
     energy: bool = True
     """Keep account of the energies (energy.csv)."""
 
+    bonds: bool = True
+    """Write every breakage (bonds.csv), when there are bonds."""
+
+    fragments: bool = True
+    """Write number and size of the fragments (fragments.csv), when there are bonds."""
+
     checkpoint_every: Positive | None = None
     """Simulated time between checkpoints [s]; default: at every frame."""
 
@@ -132,11 +139,22 @@ class Output(Section):
 
     fields: Annotated[
         tuple[
-            Literal["body", "group", "cluster", "speed", "velocity", "spin", "force", "mass"], ...
+            Literal[
+                "body",
+                "group",
+                "cluster",
+                "fragment",
+                "speed",
+                "velocity",
+                "spin",
+                "force",
+                "mass",
+            ],
+            ...,
         ],
         Field(strict=False),
-    ] = ("body", "group", "cluster", "speed", "velocity", "spin", "force", "mass")
-    """What is written with the surfaces."""
+    ] = ("body", "group", "cluster", "fragment", "speed", "velocity", "spin", "force", "mass")
+    """What is written with the surfaces; fragment when there are bonds."""
 
 
 class Scene(Section):
@@ -165,6 +183,9 @@ class Scene(Section):
 
     contact: Annotated[tuple[Contact, ...], Field(strict=False)] = ()
     """[[contact]]: the laws between groups; one for each pair of groups that can meet."""
+
+    bond: Annotated[tuple[Bond, ...], Field(strict=False)] = ()
+    """[[bond]]: breakable bonds between bodies."""
 
     output: Output = Output()
     """[output]: what is written."""
