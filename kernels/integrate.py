@@ -10,7 +10,16 @@ import warp as wp
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.rotation import arc, exponential
 from warpdem.kernels.variant import inlined, plain, variant
-from warpdem.kernels.views import Account, Bodies, Clock, Geometry, Incidence, Inertia, Pairs
+from warpdem.kernels.views import (
+    Account,
+    Bodies,
+    Bonds,
+    Clock,
+    Geometry,
+    Incidence,
+    Inertia,
+    Pairs,
+)
 
 
 @wp.func
@@ -153,8 +162,28 @@ def gather(pairs: Pairs, incidence: Incidence, body: int):
     return force, torque
 
 
+@inlined()
+def gather_bonds(bonds: Bonds, joined: Incidence, body: int):
+    """Force and torque of the bonds on a body, summed over its interfaces in a fixed order."""
+    force = vec3()
+    torque = vec3()
+    for k in range(joined.start[body], joined.start[body + 1]):
+        code = joined.pair[k]
+        interface = code >> 1
+        if bonds.state[interface] != 0:
+            if (code & 1) == 0:
+                force += bonds.force[interface]
+                torque += bonds.torque[interface]
+            else:
+                force -= bonds.force[interface]
+                torque += bonds.torque_partner[interface]
+    return force, torque
+
+
 @functools.cache
-def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
+def kick(
+    torque_of: wp.Function, *, contacts: bool, account: bool, bonds: bool = False
+) -> wp.Kernel:
     """Kernel of the gathering of forces and the second half kick."""
 
     @variant
@@ -167,6 +196,8 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
         span: wp.array(dtype=wp.int32),
         pairs: Pairs,
         incidence: Incidence,
+        glue: Bonds,
+        joined: Incidence,
         clock: Clock,
         # in and out
         bodies: Bodies,
@@ -186,6 +217,10 @@ def kick(torque_of: wp.Function, *, contacts: bool, account: bool) -> wp.Kernel:
         torque = vec3()
         if wp.static(contacts):
             force, torque = gather(pairs, incidence, body)
+        if wp.static(bonds):
+            held, turning = gather_bonds(glue, joined, body)
+            force += held
+            torque += turning
         if free:
             force += gravity / inertia.inverse_mass[body]
             spun = bodies.angular_momentum[body]

@@ -11,6 +11,7 @@ ROOT = Path(__file__).resolve().parents[1]
 HOST = sorted((ROOT / "warpdem").rglob("*.py"))
 # what may import warp on the host: the modules that build, launch and read the device's arrays
 DEVICE_SIDE = {
+    "bonding",
     "build",
     "compile",
     "device_shapes",
@@ -18,6 +19,7 @@ DEVICE_SIDE = {
     "lists",
     "model",
     "observe",
+    "observe_bonds",
     "resume",
     "simulation",
     "stages",

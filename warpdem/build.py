@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import warp as wp
 
+from warpdem.bonding import Bonding
 from warpdem.checks.restitution import zeta_bilateral, zeta_clamped
 from warpdem.checks.timestep import masses
 from warpdem.device_shapes import shape_arrays
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from warpdem.arrays import FloatArray
+    from warpdem.bonds.creation import Interfaces
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.input.scene import Scene
@@ -34,6 +37,7 @@ def build(
     polyhedra: Mapping[str, Polyhedron],
     features: Features,
     device: Any,
+    interfaces: Interfaces | None = None,
 ) -> tuple[Model, State]:
     """Model and state of a placed scene on a device."""
     shapes = list(polyhedra.values())
@@ -61,6 +65,9 @@ def build(
     )
     state = allocate(device, len(mass), arms, account=features.account)
     _start(state, placement, mass, moment)
+    if interfaces is not None:
+        bonding = Bonding(scene, placement, polyhedra, interfaces, features, device)
+        state = replace(state, bonding=bonding)
     return model, state
 
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import warp as wp
 
+from warpdem.bonding import release_kernel
+from warpdem.kernels.bond_bound import bond_bound
 from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.integrate import orient
 from warpdem.kernels.matching import carry_history
@@ -34,13 +36,16 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
         return kernels
     for fill in (False, True):
         word = "fill" if fill else "count"
-        kernels[f"{word} pairs"] = find_partners(fill=fill, large=has.large)
+        kernels[f"{word} pairs"] = find_partners(fill=fill, large=has.large, bonds=has.bonds)
         kernels[f"{word} candidates"] = find_candidates(
             fill=fill, polyhedra=has.polyhedra, trees=has.trees
         )
     kernels["history"] = carry_history(rolling=has.rolling)
     kernels["incidence"] = incidence_keys
     kernels["measures"] = frequency_bound
+    if has.bonds:
+        kernels["release"] = release_kernel(has)
+        kernels["measures of bonds"] = bond_bound
     return kernels
 
 

@@ -11,7 +11,7 @@ from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.matching import carry_history
 from warpdem.kernels.neighbours import find_partners, incidence_keys, incidence_starts
 from warpdem.kernels.precision import real, vec3, vec4
-from warpdem.kernels.views import Candidates, Incidence, Pairs
+from warpdem.kernels.views import Bonds, Candidates, Incidence, Pairs
 
 if TYPE_CHECKING:
     from warpdem.arrays import FloatArray
@@ -38,6 +38,7 @@ class Lists:
         born: Step at which they were made.
         generation: Changes whenever an array was replaced by a larger one.
         skin: Distance within which feature pairs are listed now [m].
+        ends: Where the pairs of each owner end, shape [body_count].
         spent: Energy lost in dashpots, friction, rolling by pairs of earlier lists [J].
     """
 
@@ -59,7 +60,7 @@ class Lists:
         self._candidate_room = 0
         count = model.body_count
         self.incidence.start = wp.zeros(count + 1, dtype=wp.int32, device=device)
-        self._ends = wp.zeros(count, dtype=wp.int32, device=device)
+        self.ends = wp.zeros(count, dtype=wp.int32, device=device)
         self._grid_bound = float(model.bound[~model.large].max(initial=0.0))
         self._grid = self._hash_grid()
         self._tree: wp.Bvh | None = None
@@ -160,7 +161,7 @@ class Lists:
         pairs, candidates = self.pairs, self.candidates
         count, length = self.pair_count, self.candidate_count
         return (
-            wp.clone(self._ends),
+            wp.clone(self.ends),
             wp.clone(pairs.partner[: max(count, 1)]),
             wp.clone(pairs.start[: count + 1]),
             wp.clone(candidates.code[: max(length, 1)]),
@@ -176,10 +177,11 @@ class Lists:
         self._grid.build(bodies.position, cell)
         tree = self._large_tree()
         large = tree is not None
+        bonding = self._state.bonding
 
         def launch(owner: wp.array, partner: wp.array, *, fill: bool) -> None:
             wp.launch(
-                find_partners(fill=fill, large=large),
+                find_partners(fill=fill, large=large, bonds=bonding is not None),
                 dim=model.body_count,
                 inputs=[
                     model.geometry,
@@ -190,14 +192,15 @@ class Lists:
                     self._tree_body,
                     self.skin,
                     bodies,
+                    bonding.bonds if bonding else Bonds(),
                 ],
-                outputs=[self._ends, owner, partner],
+                outputs=[self.ends, owner, partner],
                 device=model.device,
             )
 
         launch(self.pairs.owner, self.pairs.partner, fill=False)
-        wp.utils.array_scan(self._ends, self._ends, inclusive=True)
-        self.pair_count = int(self._ends[-1:].numpy()[0])
+        wp.utils.array_scan(self.ends, self.ends, inclusive=True)
+        self.pair_count = int(self.ends[-1:].numpy()[0])
         self._grow_pairs(self.pair_count)
         if self.pair_count:
             launch(self.pairs.owner, self.pairs.partner, fill=True)

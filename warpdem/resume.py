@@ -59,7 +59,7 @@ def arrays(state: State, lists: Lists, *, rolling: bool) -> dict[str, np.ndarray
     place, _ = slots(lists)
     for name in TOUCHING:
         saved[f"touching_{name}"] = getattr(candidates, name).numpy()[place]
-    return saved
+    return saved | (state.bonding.arrays() if state.bonding else {})
 
 
 def put_back(
@@ -76,6 +76,8 @@ def put_back(
         getattr(bodies, name).assign(saved[name])
     state.account.work.assign(saved["work"])
     state.account.power.assign(saved["power"])
+    if state.bonding:
+        state.bonding.put_back_states(saved)
     if contacts:
         bodies.position.assign(saved["listed_position"])
         bodies.orientation.assign(saved["listed_orientation"])
@@ -84,6 +86,8 @@ def put_back(
         bodies.position.assign(saved["position"])
         bodies.orientation.assign(saved["orientation"])
     orient()
+    if state.bonding and state.bonding.put_back(saved):
+        state.clock.moved.fill_(1)
 
 
 def _relist(state: State, lists: Lists, saved: dict[str, np.ndarray]) -> None:

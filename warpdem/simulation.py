@@ -10,6 +10,7 @@ import numpy as np
 import warp as wp
 
 from warpdem import observe, resume
+from warpdem.bonds.creation import bonds_of
 from warpdem.build import build
 from warpdem.checks.check import build_shapes
 from warpdem.checks.timestep import automatic_step
@@ -22,7 +23,7 @@ from warpdem.kernels.integrate import orient
 from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.precision import real
 from warpdem.lists import Lists
-from warpdem.stages import Stage, after_drift, drift, forces, halt, kick
+from warpdem.stages import Stage, after_drift, bonds, drift, forces, halt, kick
 from warpdem.state import cut
 from warpdem.stepper import Stepper, launch
 
@@ -68,13 +69,14 @@ class Simulation:
         self.placement = place(scene, self.polyhedra)
         self.features = features_of(scene, self.placement, self.polyhedra)
         self.notes = list(self.placement.notes)
-        step = automatic_step(scene, self.placement, self.polyhedra)
+        interfaces = bonds_of(scene, self.placement, self.polyhedra)
+        step = automatic_step(scene, self.placement, self.polyhedra, interfaces)
         self.notes.extend(filter(None, [step.message]))
         self.dt = step.dt
         self.device = find_device(device or scene.run.device)
         self._threads = threads or os.cpu_count() or 1
         self._model, self._state = build(
-            scene, self.placement, self.polyhedra, self.features, self.device
+            scene, self.placement, self.polyhedra, self.features, self.device, interfaces
         )
         self._lists = Lists(self._model, self._state)
         count = self.body_count
@@ -202,7 +204,13 @@ class Simulation:
     def _launch(self, *stages: Stage) -> None:
         self._whole.pairs.assign([0, self._lists.pair_count])
         for stage in stages:
-            count = {"bodies": self.body_count, "pairs": self._lists.pair_count, "one": 1}
+            bonding = self._state.bonding
+            count = {
+                "bodies": self.body_count,
+                "pairs": self._lists.pair_count,
+                "interfaces": len(bonding) if bonding else 0,
+                "one": 1,
+            }
             launch(stage, count[stage.over], self.device)
 
     def _orient(self) -> None:
@@ -228,6 +236,7 @@ class Simulation:
             lists.rebuild()
         else:
             state.clock.reach.fill_(float("inf"))
+        self._launch(*bonds(model, state, whole, 0.0))
         if contacts and not self.features.gravity_first:
             self._launch(forces(model, state, lists, whole, 0.0))
             self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
@@ -268,6 +277,9 @@ class Simulation:
             return
         self._examine_step()
         self._lists.rebuild()
+        if bonding := self._state.bonding:
+            yielded = self.time - self.dt
+            bonding.resolve(self._model, self._state, self._lists, dt=self.dt, time=yielded)
         self._stepper.prepare()
 
     def _name_fault(self) -> None:
@@ -309,7 +321,7 @@ class Simulation:
     def step_bound(self) -> float:
         """Largest stable step for the contacts that touch now [s]; infinite without any."""
         model, state, lists = self._model, self._state, self._lists
-        if not lists.pair_count:
+        if not (lists.pair_count or state.bonding):
             return float("inf")
         wp.launch(
             frequency_bound,
@@ -325,6 +337,8 @@ class Simulation:
             outputs=[self._square],
             device=self.device,
         )
+        if state.bonding:
+            state.bonding.add_bound(model, state, self._square)
         square = float(self._square.numpy().max())
         return 2.0 / square**0.5 if square > 0 else float("inf")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from warpdem.kernels.bonds import BondLaws, bond_forces
 from warpdem.kernels.forces import pair_forces
 from warpdem.kernels.integrate import drift as drift_kernel
 from warpdem.kernels.integrate import halt as halt_kernel
@@ -19,6 +20,7 @@ from warpdem.kernels.rotation import (
     taylor_drift,
     taylor_torque,
 )
+from warpdem.kernels.views import Bonds, Incidence
 
 if TYPE_CHECKING:
     import warp as wp
@@ -42,7 +44,7 @@ class Stage:
 
     name: str
     kernel: wp.Kernel
-    over: Literal["bodies", "pairs", "one"]
+    over: Literal["bodies", "pairs", "interfaces", "one"]
     arguments: tuple[Any, ...]
 
 
@@ -86,6 +88,32 @@ def forces(model: Model, state: State, lists: Lists, share: Share, dt: float) ->
     return Stage("pair forces", pair_forces(laws(model.features)), "pairs", arguments)
 
 
+def bonds(model: Model, state: State, share: Share, dt: float) -> tuple[Stage, ...]:
+    """Wrench of each interface, where there are bonds."""
+    if not state.bonding:
+        return ()
+    has = model.features
+    laws = BondLaws(
+        polyhedra=has.polyhedra,
+        convex=has.convex,
+        two_sided=has.two_sided,
+        predicted=has.predicted,
+        objective=has.objective,
+        damping=has.bond_damping,
+        moments=has.bond_moments,
+        creep=has.bond_creep,
+    )
+    arguments = (
+        model.geometry,
+        dt,
+        share.interfaces,
+        state.bodies,
+        share.clock,
+        state.bonding.bonds,
+    )
+    return (Stage("bond forces", bond_forces(laws), "interfaces", arguments),)
+
+
 def kick(
     model: Model, state: State, lists: Lists, share: Share, dt: float, *, contacts: bool
 ) -> Stage:
@@ -93,7 +121,10 @@ def kick(
     has = model.features
     torque = taylor_torque if has.taylor else free_torque
     account = has.account and has.driven
-    kernel = kick_kernel(torque, contacts=contacts, account=account)
+    kernel = kick_kernel(torque, contacts=contacts, account=account, bonds=has.bonds)
+    glue, joined = Bonds(), Incidence()
+    if state.bonding:
+        glue, joined = state.bonding.bonds, state.bonding.joined
     arguments = (
         model.inertia,
         vec3(*model.gravity),
@@ -101,6 +132,8 @@ def kick(
         share.bodies,
         lists.pairs,
         lists.incidence,
+        glue,
+        joined,
         share.clock,
         state.bodies,
         state.account,
@@ -134,7 +167,8 @@ def after_drift(
     if not contacts:
         return (kicked,)
     waits = (meet(share),) if share.members > 1 else ()
-    return (forces(model, state, lists, share, dt), *waits, kicked)
+    glued = bonds(model, state, share, dt)
+    return (forces(model, state, lists, share, dt), *glued, *waits, kicked)
 
 
 def cycle(model: Model, state: State, lists: Lists, share: Share, dt: float) -> tuple[Stage, ...]:

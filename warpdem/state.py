@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import warp as wp
@@ -11,6 +11,9 @@ import warp as wp
 from warpdem.kernels.meeting import LINE
 from warpdem.kernels.precision import mat33, quat, real, vec3, vec4
 from warpdem.kernels.views import Account, Bodies, Clock
+
+if TYPE_CHECKING:
+    from warpdem.bonding import Bonding
 
 
 @dataclass(frozen=True)
@@ -22,11 +25,13 @@ class State:
             ``arm`` has shape [total vertex count of all bodies].
         clock: Flags and the step counter, shape [1] each.
         account: Energy bookkeeping; ``pair`` is owned by the lists.
+        bonding: The bonds, where there are any.
     """
 
     bodies: Bodies
     clock: Clock
     account: Account
+    bonding: Bonding | None = None
 
 
 def allocate(device: Any, body_count: int, arm_count: int, *, account: bool) -> State:
@@ -62,7 +67,7 @@ class Share:
 
     Attributes:
         member, members: Which thread of how many.
-        bodies, pairs: First and last + 1, shape [2] each.
+        bodies, pairs, interfaces: First and last + 1, shape [2] each.
         clock: Shared flags, own counters.
         arrived: Counters of the meetings of all threads, shape [members * LINE].
     """
@@ -71,6 +76,7 @@ class Share:
     members: int
     bodies: wp.array
     pairs: wp.array
+    interfaces: wp.array
     clock: Clock
     arrived: wp.array
 
@@ -78,6 +84,8 @@ class Share:
 def cut(state: State, body_count: int, members: int, device: Any) -> list[Share]:
     """Shares of ``members`` host threads; the first one has the state's own clock."""
     cuts = np.linspace(0, body_count, members + 1).astype(np.int32)
+    glued = len(state.bonding) if state.bonding else 0
+    parts = np.linspace(0, glued, members + 1).astype(np.int32)
     arrived = wp.zeros(members * LINE, dtype=wp.int32, device=device)
     shares = []
     for member in range(members):
@@ -90,5 +98,6 @@ def cut(state: State, body_count: int, members: int, device: Any) -> list[Share]
             clock.steps = wp.zeros(1, dtype=wp.int32, device=device)
         bodies = wp.array(cuts[member : member + 2], dtype=wp.int32, device=device)
         pairs = wp.zeros(2, dtype=wp.int32, device=device)
-        shares.append(Share(member, members, bodies, pairs, clock, arrived))
+        interfaces = wp.array(parts[member : member + 2], dtype=wp.int32, device=device)
+        shares.append(Share(member, members, bodies, pairs, interfaces, clock, arrived))
     return shares

@@ -35,6 +35,7 @@ class Stepper:
     ) -> None:
         self._model = model
         self._lists = lists
+        self._interface_count = len(state.bonding) if state.bonding else 0
         self._shares = shares
         self._stages = [cycle(model, state, lists, share, dt) for share in shares]
         self._graphs: dict[int, list[Any]] = {}
@@ -93,7 +94,12 @@ class Stepper:
         return capture.graph
 
     def _launch(self, stage: Stage, over: str) -> None:
-        room = {"bodies": self._model.body_count, "pairs": self._lists.pair_room, "one": 1}
+        room = {
+            "bodies": self._model.body_count,
+            "pairs": self._lists.pair_room,
+            "interfaces": self._interface_count,
+            "one": 1,
+        }
         launch(stage, room[over], self._model.device)
 
 

@@ -232,4 +232,3 @@ def _factors(scene: Scene, entry: IntArray) -> FloatArray:
             )
             factor[own] = draw / gamma(1.0 + 1.0 / bond.weibull.modulus)
     return factor
-

@@ -163,9 +163,7 @@ def _corners(first: Solid, second: Solid, face: int, other: int, slack: float) -
     return every[np.array(kept, dtype=np.int64)]
 
 
-def _over(
-    first: Solid, second: Solid, face: int, other: int, slack: float
-) -> Sites:
+def _over(first: Solid, second: Solid, face: int, other: int, slack: float) -> Sites:
     """Corners of a face of the first body that project inside a face of the second."""
     corners = first.sides(face)[0]
     a = corners[inside(second, other, first.vertices[corners], slack)]

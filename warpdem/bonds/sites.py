@@ -85,7 +85,9 @@ class Solid:
 
     def sides(self, face: int) -> tuple[IntArray, IntArray]:
         """First and second vertices of a face's directed sides."""
-        ends = self.shape.side_vertices[self.shape.side_start[face] : self.shape.side_start[face + 1]]
+        ends = self.shape.side_vertices[
+            self.shape.side_start[face] : self.shape.side_start[face + 1]
+        ]
         return ends[:, 0], ends[:, 1]
 
     def polygons(self) -> Iterator[tuple[int, IntArray]]:
@@ -111,7 +113,8 @@ def vertex_vertex(first: Solid, second: Solid, tolerance: float) -> Sites:
     apart = first.vertices[:, None] - second.vertices[None]
     reach = first.radius + second.radius + tolerance
     a, b = np.nonzero(np.einsum("abk,abk->ab", apart, apart) < reach * reach)
-    return _between(VV, a, b, first.vertices[a], second.vertices[b], first, second)
+    radii = (first.radius, second.radius)
+    return _between(VV, np.stack([a, b], axis=1), first.vertices[a], second.vertices[b], radii)
 
 
 def subcontacts(first: Solid, second: Solid, tolerance: float) -> Sites:
@@ -134,16 +137,15 @@ def joined(parts: Sequence[Sites]) -> Sites:
 
 
 def _between(
-    kind: int, a: IntArray, b: IntArray, p: FloatArray, q: FloatArray, first: Solid, second: Solid
+    kind: int, features: IntArray, p: FloatArray, q: FloatArray, radii: tuple[float, float]
 ) -> Sites:
-    """Sites of features a, b whose closest core points are p, q."""
+    """Sites of feature pairs whose closest core points are p, q."""
     d = p - q
     distance = np.linalg.norm(d, axis=1)
     normal = d / np.where(distance > 0.0, distance, 1.0)[:, None]
-    gap = distance - first.radius - second.radius
-    point = p - normal * (first.radius + 0.5 * gap)[:, None]
-    features = np.stack([a, b], axis=1).reshape(-1, 2)
-    return Sites(np.full(len(a), kind), features, gap, normal, point)
+    gap = distance - sum(radii)
+    point = p - normal * (radii[0] + 0.5 * gap)[:, None]
+    return Sites(np.full(len(features), kind), features, gap, normal, point)
 
 
 def _vertex_edge(first: Solid, second: Solid) -> Sites:
@@ -153,7 +155,8 @@ def _vertex_edge(first: Solid, second: Solid) -> Sites:
     foot = np.einsum("vek,ek->ve", first.vertices[:, None] - ends[None, :, 0], along)
     a, b = np.nonzero((foot > 0.0) & (foot < square))
     q = ends[b, 0] + along[b] * (foot[a, b] / square[b])[:, None]
-    return _between(VE, a, b, first.vertices[a], q, first, second)
+    radii = (first.radius, second.radius)
+    return _between(VE, np.stack([a, b], axis=1), first.vertices[a], q, radii)
 
 
 def _vertex_face(first: Solid, second: Solid, tolerance: float) -> Sites:
@@ -195,7 +198,8 @@ def _edge_edge(first: Solid, second: Solid) -> Sites:
     a, b = np.nonzero(skew & (s > 0.0) & (s < 1.0) & (t > 0.0) & (t < 1.0))
     p = ends[a, 0] + u[a] * s[a, b][:, None]
     q = others[b, 0] + v[b] * t[a, b][:, None]
-    return _between(EE, a, b, p, q, first, second)
+    radii = (first.radius, second.radius)
+    return _between(EE, np.stack([a, b], axis=1), p, q, radii)
 
 
 def _none() -> Sites:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
 
@@ -15,7 +17,8 @@ def grid(contacts: Contacts) -> vtkUnstructuredGrid:
 
     Point data: ``normal`` from body j to i; ``fn`` along it, positive repels [N]; ``ft`` on i [N];
     ``force`` on i, both together [N]; ``gap``, negative in overlap [m]; ``bodies`` i, j; ``kind``,
-    0 vertex-vertex, 1 vertex-edge, 2 edge-vertex, 3 vertex-face, 4 face-vertex, 5 edge-edge.
+    0 vertex-vertex, 1 vertex-edge, 2 edge-vertex, 3 vertex-face, 4 face-vertex, 5 edge-edge;
+    ``moment`` on i [N m]; ``bonded``, 1 for a bond, which may be open.
     """
     from warpdem.output import vtu  # noqa: PLC0415 - loads VTK
 
@@ -28,5 +31,7 @@ def grid(contacts: Contacts) -> vtkUnstructuredGrid:
         "gap": contacts.gap,
         "bodies": contacts.bodies,
         "kind": contacts.kind,
+        "moment": contacts.moment,
+        "bonded": contacts.bonded.astype(np.uint8),
     }
     return vtu.vertices(contacts.point, data)

@@ -7,9 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpdem.checks.timestep import masses
 from warpdem.errors import OutputError
 from warpdem.output import checkpoint as checkpoints
 from warpdem.output import contact_points
+from warpdem.output.breakage import (
+    BONDS_COLUMNS,
+    FRAGMENTS_COLUMNS,
+    broken_rows,
+    fragments_row,
+)
 from warpdem.output.series import Series
 from warpdem.output.surfaces import Surfaces
 from warpdem.output.table import (
@@ -36,7 +43,14 @@ if TYPE_CHECKING:
 
 TRAJECTORY = "trajectory.csv"
 ENERGY = "energy.csv"
-COLUMNS = {TRAJECTORY: TRAJECTORY_COLUMNS, ENERGY: ENERGY_COLUMNS}
+BONDS = "bonds.csv"
+FRAGMENTS = "fragments.csv"
+COLUMNS = {
+    TRAJECTORY: TRAJECTORY_COLUMNS,
+    ENERGY: ENERGY_COLUMNS,
+    BONDS: BONDS_COLUMNS,
+    FRAGMENTS: FRAGMENTS_COLUMNS,
+}
 
 
 class Recorder:
@@ -49,6 +63,7 @@ class Recorder:
         placement: The bodies.
         writer: The thread that does it, in the order of the calls.
         start: The checkpoint the run resumes from: the files are cut back to it.
+        bonded: The scene has bonds.
 
     Raises:
         OutputError: A file cannot be opened, or is not the one the checkpoint belongs to.
@@ -62,6 +77,8 @@ class Recorder:
         placement: Placement,
         writer: Writer,
         start: Checkpoint | None = None,
+        *,
+        bonded: bool = False,
     ) -> None:
         self._folder = folder
         self._output = output
@@ -70,6 +87,10 @@ class Recorder:
         self._lengths = dict(start.table_lengths) if start else {}
         self._surfaces = Surfaces(polyhedra, placement) if output.surface else None
         self._trajectory = _trajectory(polyhedra, placement)
+        self._bonded = bonded
+        self._names = placement.names
+        mass = masses(placement, polyhedra)[0]
+        self._mass = np.where(placement.fixed, 0.0, mass)
         try:
             self._series = {stem: self._open_series(stem) for stem in self._stems()}
             self._tables = {name: self._open_table(name) for name in self._table_names()}
@@ -105,7 +126,12 @@ class Recorder:
         return [stem for stem, is_wanted in wanted.items() if is_wanted]
 
     def _table_names(self) -> list[str]:
-        wanted = {TRAJECTORY: self._output.table, ENERGY: self._output.energy}
+        wanted = {
+            TRAJECTORY: self._output.table,
+            ENERGY: self._output.energy,
+            BONDS: self._output.bonds and self._bonded,
+            FRAGMENTS: self._output.fragments and self._bonded,
+        }
         return [name for name, is_wanted in wanted.items() if is_wanted]
 
     def _open_series(self, stem: str) -> Series:
@@ -126,6 +152,11 @@ class Recorder:
             self._tables[TRAJECTORY].append(self._trajectory.rows(snapshot))
         if self._output.energy and snapshot.energy:
             self._tables[ENERGY].append(energy_row(snapshot.time, snapshot.energy))
+        if BONDS in self._tables and snapshot.breakage:
+            table = self._tables[BONDS]
+            table.append("".join(broken_rows(snapshot.breakage, self._names, table.rows)))
+        if FRAGMENTS in self._tables:
+            self._tables[FRAGMENTS].append(fragments_row(snapshot, self._mass))
 
     def _frame(self, stem: str, snapshot: Snapshot, grid: vtkUnstructuredGrid) -> None:
         from warpdem.output import vtu  # noqa: PLC0415 - loads VTK

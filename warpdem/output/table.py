@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 TRAJECTORY_COLUMNS = "t,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz"
 ENERGY_COLUMNS = (
-    "t,kinetic,potential,elastic,dashpot,friction,rolling,work,balance,contacts,largest_overlap"
+    "t,kinetic,potential,elastic,dashpot,friction,rolling,work,balance,contacts,largest_overlap,"
+    "bond,broken"
 )
 
 _REAL = "%.17g"  # 17 digits return every double exactly
@@ -30,6 +31,7 @@ class Table:
     Attributes:
         path: The file.
         length: Bytes of it that were written whole.
+        rows: Lines below the head.
     """
 
     def __init__(self, path: Path, columns: str, length: int | None = None) -> None:
@@ -43,6 +45,7 @@ class Table:
         if length is not None and (not path.exists() or path.stat().st_size < length):
             raise OutputError(f"{path}: shorter than at the checkpoint; it cannot be continued")
         self._file = path.open("wb" if length is None else "r+b", buffering=0)
+        self.rows = self._file.read(length).count(b"\n") - 1 if length is not None else -1
         self.length = length or 0
         self._file.truncate(self.length)
         self._file.seek(self.length)
@@ -65,6 +68,7 @@ class Table:
             self._file.seek(self.length)
             raise OSError(fault.errno, fault.strerror, str(self.path)) from fault
         self.length += written
+        self.rows += rows.count("\n")
 
     def sync(self) -> None:
         """Have the disk hold what was appended."""
@@ -122,4 +126,5 @@ def energy_row(time: float, energy: Energy) -> str:
         energy.balance,
     )
     reals = ",".join(_REAL % value for value in (time, *joules))
-    return f"{reals},{energy.contact_count:d},{_REAL % energy.largest_overlap}\n"
+    rest = ",".join(_REAL % v for v in (energy.largest_overlap, energy.bond, energy.broken))
+    return f"{reals},{energy.contact_count:d},{rest}\n"

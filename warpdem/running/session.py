@@ -91,6 +91,7 @@ class Session:
             simulation.placement,
             writer,
             self.start,
+            bonded=simulation.features.bonds,
         )
         try:
             with writer:
