@@ -211,7 +211,7 @@ def _laws(
     together = made.counts * rows["kn"] * np.sum(1.0 / mass, axis=1)
     alone = rows["kn"] * np.sum(1.0 / mass, axis=1)
     rows["tau"] = 2.0 * zeta / np.sqrt(together if how.damping == "pair" else alone)
-    rows["rate"] = 0.5 * rows["tau"] * together
+    rows["rate"] = 0.5 * rows["tau"] * together * (how.contact_update == "predicted")
     return wp.array(rows, dtype=BondLaw, device=device)
 
 
