@@ -44,6 +44,7 @@ class Stretch:
     velocity: vec3
     velocity_end: vec3
     spin: vec3
+    middle: vec3  # normal at the half step
     turn: real  # half the angle of the frame about its normal over the step [rad]
 
 
@@ -57,29 +58,46 @@ class Share:
     sheared: real
     elastic: real
     rate: real  # of the elastic energy [W]
-    lost: real  # in the dashpots, over the step [J]
+    lost: real  # in the dashpots [W]
     excess: real  # beyond the yield surface
     mode: int
 
 
 @functools.cache
-def stretching(*, predicted: bool) -> wp.Function:
-    """Function of the motion at a bond."""
+def stretching(*, predicted: bool, objective: bool) -> wp.Function:
+    """Function of the motion at a bond; where it is ``objective`` with arms of the half step."""
 
     @inlined()
     def stretching(
-        bodies: Bodies, i: int, j: int, d: vec3, normal: vec3, point: vec3, dt: real
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: vec3,
+        normal: vec3,
+        point: vec3,
+        old_normal: vec3,
+        old_point: vec3,
+        dt: real,
     ) -> Stretch:
-        arm = point - d
         motion = Stretch()
-        motion.velocity = bodies.velocity[j] + wp.cross(bodies.spin[j], point)
+        motion.middle = normal
+        p = point
+        arm = point - d
+        if wp.static(objective):
+            if dt > real(0.0):
+                motion.middle = wp.normalize(normal + old_normal)
+                p = (point + old_point) * real(0.5)
+                moved = bodies.velocity[i] - bodies.velocity[j]
+                arm = p - d + moved * (real(0.5) * dt)
+        motion.velocity = bodies.velocity[j] + wp.cross(bodies.spin[j], p)
         motion.velocity -= bodies.velocity[i] + wp.cross(bodies.spin[i], arm)
         motion.velocity_end = motion.velocity
         if wp.static(predicted):
             motion.velocity_end = bodies.velocity_end[j] + wp.cross(bodies.spin_end[j], point)
-            motion.velocity_end -= bodies.velocity_end[i] + wp.cross(bodies.spin_end[i], arm)
+            motion.velocity_end -= bodies.velocity_end[i]
+            motion.velocity_end -= wp.cross(bodies.spin_end[i], point - d)
         motion.spin = bodies.spin[j] - bodies.spin[i]
-        motion.turn = real(0.25) * dt * wp.dot(bodies.spin[i] + bodies.spin[j], normal)
+        motion.turn = real(0.25) * dt * wp.dot(bodies.spin[i] + bodies.spin[j], motion.middle)
         return motion
 
     return stretching
@@ -94,10 +112,12 @@ def bend(laws: BondLaws) -> wp.Function:
         bent = bonds.bent[bond]
         moment = vec3(bent[0], bent[1], bent[2])
         if wp.static(laws.objective):
-            moment = spun(laid(moment, normal), normal, motion.turn) + normal * bent[3]
-            moment = spun(moment + motion.spin * step, normal, motion.turn)
-            about = wp.dot(moment, normal)
-            flat = moment - normal * about
+            middle = motion.middle
+            moment = spun(laid(moment, middle), middle, motion.turn) + middle * bent[3]
+            moment += motion.spin * step
+            about = wp.dot(moment, middle)
+            flat = laid(spun(moment - middle * about, middle, motion.turn), normal)
+            moment = flat + normal * about
             bonds.bent[bond] = vec4(flat[0], flat[1], flat[2], about)
         else:
             moment += motion.spin * step
@@ -110,7 +130,7 @@ def bend(laws: BondLaws) -> wp.Function:
 @functools.cache
 def apply_bond(laws: BondLaws) -> wp.Function:
     """Function of one bond: its wrench, its energies and how far it is from yielding."""
-    motion_at = stretching(predicted=laws.predicted)
+    motion_at = stretching(predicted=laws.predicted, objective=laws.objective)
     moment_of = bend(laws)
 
     @inlined()
@@ -128,9 +148,11 @@ def apply_bond(laws: BondLaws) -> wp.Function:
     ) -> Share:
         share = Share()
         n = hit.normal
-        motion = motion_at(bodies, i, j, d, n, hit.point, dt)
-        approach = wp.dot(motion.velocity, n)
-        sliding = motion.velocity - n * approach
+        motion = motion_at(
+            bodies, i, j, d, n, hit.point, bonds.normal[bond], bonds.point[bond], dt
+        )
+        middle = motion.middle
+        sliding = motion.velocity - middle * wp.dot(motion.velocity, middle)
         approach_end = wp.dot(motion.velocity_end, n)
         sliding_end = motion.velocity_end - n * approach_end
         held = bonds.held[bond]
@@ -143,11 +165,12 @@ def apply_bond(laws: BondLaws) -> wp.Function:
             fn = glued(fe, cn, approach_end, beta, held[3])
             if cn > real(0.0):
                 approach_end += (held[3] - fn) * beta / cn
-            share.lost += (fn - fe) * approach_end * dt
+            share.lost += (fn - fe) * approach_end
         elastic = before
         if wp.static(laws.objective):
-            start = spun(laid(before, n), n, motion.turn)
-            elastic = spun(start + sliding * (law.kt * dt), n, motion.turn)
+            start = spun(laid(before, middle), middle, motion.turn)
+            elastic = spun(start + sliding * (law.kt * dt), middle, motion.turn)
+            elastic = laid(elastic, n)
         else:
             elastic = before + sliding * (law.kt * dt)
         ft = elastic
@@ -160,7 +183,7 @@ def apply_bond(laws: BondLaws) -> wp.Function:
                 ft = glued_across(elastic, cn, sliding_end, beta, old)
                 if cn > real(0.0):
                     sliding_end += (old - ft) * (beta / cn)
-                share.lost += wp.dot(ft - elastic, sliding_end) * dt
+                share.lost += wp.dot(ft - elastic, sliding_end)
                 bonds.viscous[bond] = ft - elastic
         moment = vec3()
         if wp.static(laws.moments):
@@ -227,6 +250,7 @@ def bond_forces(laws: BondLaws) -> wp.Kernel:
         rate = real(0.0)
         stretched = real(0.0)
         sheared = real(0.0)
+        power = real(0.0)
         excess = real(0.0)
         mode = int(0)
         for bond in range(bonds.start[k], bonds.start[k + 1]):
@@ -240,7 +264,7 @@ def bond_forces(laws: BondLaws) -> wp.Kernel:
                 rate += share.rate
                 stretched += share.stretched
                 sheared += share.sheared
-                energy[2] = energy[2] + share.lost
+                power += share.lost
                 if share.excess > excess:
                     excess = share.excess
                     mode = share.mode
@@ -249,7 +273,9 @@ def bond_forces(laws: BondLaws) -> wp.Kernel:
         bonds.torque_partner[k] = -torque
         energy[0] = elastic
         energy[1] = rate
+        energy[2] = energy[2] + real(0.5) * dt * (bonds.power[k] + power)
         bonds.energy[k] = energy
+        bonds.power[k] = power
         if mode == 0:
             if cracking(stretched, sheared, law.stretching, law.shearing, law.both):
                 mode = ENERGY

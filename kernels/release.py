@@ -75,6 +75,7 @@ def release(*, polyhedra: bool, convex: bool, two_sided: bool, cones: bool, damp
         i = bonds.owner[k]
         j = bonds.partner[k]
         left = energy[0] + real(0.5) * dt * energy[1]
+        lost = energy[2] + real(0.5) * dt * bonds.power[k]
         taken = real(0.0)
         pair = pair_of(pairs, ends, i, j)
         if pair >= 0:
@@ -92,7 +93,7 @@ def release(*, polyhedra: bool, convex: bool, two_sided: bool, cones: bool, damp
                         if law.kt > real(0.0):
                             ft = vec3(past[0], past[1], past[2])
                             taken += wp.dot(ft, ft) / (real(2.0) * law.kt)
-        bonds.energy[k] = vec4(real(0.0), real(0.0), energy[2], left - taken)
+        bonds.energy[k] = vec4(real(0.0), real(0.0), lost, left - taken)
         bonds.step[k] = step
         bonds.force[k] = vec3()
         bonds.torque[k] = vec3()

@@ -188,6 +188,7 @@ class Bonds:
     torque: wp.array(dtype=vec3)  # on the owner, about its centre of mass
     torque_partner: wp.array(dtype=vec3)
     energy: wp.array(dtype=vec4)  # elastic, its rate, lost in dashpots, released
+    power: wp.array(dtype=real)  # of the dashpots
     # of a bond
     code: wp.array(dtype=wp.int64)  # as that of a candidate
     rest: wp.array(dtype=real)  # gap without force

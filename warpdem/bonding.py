@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from warpdem.state import State
 
 # what a checkpoint holds: of the interfaces, and of the bonds
-OF_INTERFACES = ("state", "mode", "step", "force", "torque", "torque_partner", "energy")
+OF_INTERFACES = ("state", "mode", "step", "force", "torque", "torque_partner", "energy", "power")
 OF_BONDS = ("held", "viscous", "bent", "normal", "point", "gap")
 
 
@@ -168,6 +168,7 @@ def _allocate(made: Interfaces, has: Features, body_count: int, device: Any) -> 
     for name in ("force", "torque", "torque_partner"):
         setattr(bonds, name, wp.zeros(n, dtype=vec3, device=device))
     bonds.energy = wp.zeros(n, dtype=vec4, device=device)
+    bonds.power = wp.zeros(n, dtype=real, device=device)
     bonds.code = on(device, kind << 58 | a << 29 | b, wp.int64)
     bonds.rest = on(device, _rest(made, has), real)
     bonds.held = wp.zeros(m, dtype=vec4, device=device)
