@@ -31,24 +31,39 @@ def stiffest(
     Returns:
         [1/s^2] and [1/s].
     """
-    kn, kt, kr = (np.repeat(made.stiffness(key), made.counts) for key in ("kn", "kt", "kr"))
+    kn, kt, kr = (made.stiffness(key) for key in ("kn", "kt", "kr"))
+    square = float(highest(made, placement, mass, moment, (kn, kt, kr)).max())
+    together = kn * made.counts * np.sum(1.0 / mass[made.bodies], axis=1)
+    return square, float(np.sqrt(together.max()))
+
+
+def highest(
+    made: Interfaces,
+    placement: Placement,
+    mass: FloatArray,
+    moment: FloatArray,
+    stiffness: tuple[FloatArray, FloatArray, FloatArray],
+) -> FloatArray:
+    """Largest eigenvalue of M^-1 sum phi K of each body, shape [body_count].
+
+    ``stiffness`` is normal, tangential and against turning, of each interface's bonds.
+    """
+    kn, kt, kr = (np.repeat(values, made.counts) for values in stiffness)
     bodies = np.repeat(made.bodies, made.counts, axis=0)
     phi = np.where(np.isfinite(mass[bodies]).all(axis=1), 2.0, 1.0)
     blocks = np.zeros((len(mass), 6, 6))
     rotation = matrix(placement.orientation)
     n = made.sites.normal
     across = np.eye(3) - n[:, :, None] * n[:, None, :]
-    stiffness = kn[:, None, None] * n[:, :, None] * n[:, None, :] + kt[:, None, None] * across
+    local = kn[:, None, None] * n[:, :, None] * n[:, None, :] + kt[:, None, None] * across
     for end in bodies.T:
         arm = made.sites.point - placement.position[end]
         motion = np.zeros((len(arm), 3, 6))
         motion[:, :, :3] = np.eye(3)
         # principal axes: the velocity of the bond's point is v - arm x (R w)
         motion[:, :, 3:] = -np.cross(arm[:, :, None], rotation[end], axis=1)
-        block = np.einsum("cki,ckl,clj->cij", motion, stiffness, motion)
+        block = np.einsum("cki,ckl,clj->cij", motion, local, motion)
         block[:, 3:, 3:] += kr[:, None, None] * np.eye(3)
         np.add.at(blocks, end, phi[:, None, None] * block)
     scale = 1.0 / np.sqrt(np.column_stack([mass, mass, mass, moment]))
-    square = float(np.linalg.eigvalsh(scale[:, :, None] * blocks * scale[:, None, :]).max())
-    together = made.stiffness("kn") * made.counts * np.sum(1.0 / mass[made.bodies], axis=1)
-    return square, float(np.sqrt(together.max()))
+    return np.linalg.eigvalsh(scale[:, :, None] * blocks * scale[:, None, :])[:, -1]
