@@ -64,8 +64,8 @@ class Share:
 
 
 @functools.cache
-def stretching(*, predicted: bool, objective: bool) -> wp.Function:
-    """Function of the motion at a bond; where it is ``objective`` with arms of the half step."""
+def stretching(*, predicted: bool) -> wp.Function:
+    """Function of the motion at a bond; where ``predicted``, the half step's has its own arms."""
 
     @inlined()
     def stretching(
@@ -83,7 +83,7 @@ def stretching(*, predicted: bool, objective: bool) -> wp.Function:
         motion.middle = normal
         p = point
         arm = point - d
-        if wp.static(objective):
+        if wp.static(predicted):
             if dt > real(0.0):
                 motion.middle = wp.normalize(normal + old_normal)
                 p = (point + old_point) * real(0.5)
@@ -130,7 +130,7 @@ def bend(laws: BondLaws) -> wp.Function:
 @functools.cache
 def apply_bond(laws: BondLaws) -> wp.Function:
     """Function of one bond: its wrench, its energies and how far it is from yielding."""
-    motion_at = stretching(predicted=laws.predicted, objective=laws.objective)
+    motion_at = stretching(predicted=laws.predicted)
     moment_of = bend(laws)
 
     @inlined()
@@ -148,9 +148,7 @@ def apply_bond(laws: BondLaws) -> wp.Function:
     ) -> Share:
         share = Share()
         n = hit.normal
-        motion = motion_at(
-            bodies, i, j, d, n, hit.point, bonds.normal[bond], bonds.point[bond], dt
-        )
+        motion = motion_at(bodies, i, j, d, n, hit.point, bonds.normal[bond], bonds.point[bond], dt)
         middle = motion.middle
         sliding = motion.velocity - middle * wp.dot(motion.velocity, middle)
         approach_end = wp.dot(motion.velocity_end, n)

@@ -62,7 +62,9 @@ class Beam:
         x = (low + r, high - r)
         corners = [[p, q, s] for p in x for q in (-h, h) for s in (-h, h)]
         faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-        edges = sorted({tuple(sorted(e)) for f in faces for e in zip(f, f[1:] + f[:1], strict=True)})
+        edges = sorted(
+            {tuple(sorted(e)) for f in faces for e in zip(f, f[1:] + f[:1], strict=True)}
+        )
         return {
             "name": name,
             "kind": "polyhedron",

@@ -27,9 +27,7 @@ def momenta(simulation):
 def test_motion_is_of_second_order():
     dts = (4e-5, 2e-5, 1e-5)
     finest = run(tumbling(dt=2.5e-6, **TAME)).snapshot().position
-    errors = [
-        np.abs(run(tumbling(dt=dt, **TAME)).snapshot().position - finest).max() for dt in dts
-    ]
+    errors = [np.abs(run(tumbling(dt=dt, **TAME)).snapshot().position - finest).max() for dt in dts]
 
     assert np.log2(errors[0] / errors[1]) > 1.8
     assert np.log2(errors[1] / errors[2]) > 1.8

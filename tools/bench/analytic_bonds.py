@@ -58,9 +58,7 @@ def _modes(name: str, beam: Beam, x: Case) -> Iterator[Row]:
     n, a = beam.count, beam.side
     omega, shapes = beam.bending()
     weights = np.repeat([beam.mass, beam.mass * a**2 / 6.0], n)
-    got = [
-        beam.frequency(shapes[:, k], weights, along=2, expected=omega[k]) for k in range(MODES)
-    ]
+    got = [beam.frequency(shapes[:, k], weights, along=2, expected=omega[k]) for k in range(MODES)]
     yield compared(name, "omega_bending", got, x["omega_bending"], gate=5e-3)
     omega, shapes = beam.axial()
     first, last = (
@@ -85,7 +83,9 @@ def _tension(name: str, beam: Beam, p: Case, x: Case) -> Row:
     load = 4.0 * p["kn_per_vertex_bond"] * pull
     step = simulation.dt * speed / n / strain
     note = f"a step is {step:.0e} of it"
-    return compared(name, "tension_failure_load", load, x["tension_failure_load"], gate=step, note=note)
+    return compared(
+        name, "tension_failure_load", load, x["tension_failure_load"], gate=step, note=note
+    )
 
 
 FAMILIES = {"bonded_cantilever": bonded_cantilever}

@@ -14,6 +14,7 @@ from warpdem.bonds.sites import (
     edge_between,
     inside,
     joined,
+    nothing,
     subcontacts,
     vertex_vertex,
 )
@@ -111,7 +112,7 @@ def _faces(first: Solid, second: Solid, tolerance: float, angle: float) -> Joint
             if overlap > (SAME * size) ** 2:
                 parts.append(_corners(first, second, face, int(other), SAME * size))
                 area += overlap
-    sites = joined(parts) if parts else vertex_vertex(first, second, -np.inf)
+    sites = joined(parts) if parts else nothing()
     return Joint(sites, area)
 
 

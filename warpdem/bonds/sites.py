@@ -173,7 +173,7 @@ def _vertex_face(first: Solid, second: Solid, tolerance: float) -> Sites:
         point = first.vertices[a] - normals * (first.radius + 0.5 * gap)[:, None]
         features = np.stack([a, np.full(len(a), face)], axis=1)
         found.append(Sites(np.full(len(a), VF), features, gap, normals, point))
-    return joined(found) if found else _none()
+    return joined(found) if found else nothing()
 
 
 def inside(solid: Solid, face: int, points: FloatArray, slack: float = 0.0) -> np.ndarray:
@@ -202,7 +202,8 @@ def _edge_edge(first: Solid, second: Solid) -> Sites:
     return _between(EE, np.stack([a, b], axis=1), p, q, radii)
 
 
-def _none() -> Sites:
+def nothing() -> Sites:
+    """No sites."""
     empty = np.zeros((0, 3))
     return Sites(
         np.zeros(0, np.int64), np.zeros((0, 2), np.int64), np.zeros(0), empty, empty.copy()
