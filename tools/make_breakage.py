@@ -16,8 +16,8 @@ SPEED, CLEAR = 9.0, 0.02
 TURN = (np.radians(40.0), np.radians(12.0))
 SAME = 1e-9
 
-HEAD = """# A block of 64 convex cells, bonded face to face, hits a plate with an edge and breaks; bonds
-# break by their elastic energy, and their fracture energies spread after Weibull.
+HEAD = """# A block of 64 convex cells, bonded face to face, hits a plate with an edge; bonds
+# break by their elastic energy, their fracture energies spread after Weibull.
 # Written by tools/make_breakage.py.
 #   python -m warpdem scenes/breakage.toml
 title = "a bonded block breaks on a plate"
@@ -59,7 +59,7 @@ kn = 4.0e8      # of an interface: share
 kt = 2.0e8
 share = true
 en2 = 0.5
-gc = 60.0
+gc = 90.0
 weibull = { modulus = 3.0 }
 
 [[shape]]

@@ -221,7 +221,7 @@ def _laws(
 def _implicit_rate(
     placement: Placement, polyhedra: Mapping[str, Polyhedron], made: Interfaces, cn: FloatArray
 ) -> FloatArray:
-    """beta / dt of each interface [1/s]: half of the fastest decay its dashpots take part in.
+    """Beta / dt of each interface [1/s]: half of the fastest decay its dashpots take part in.
 
     With it the dashpots alone are stable at any step, however many share a body: with X = dt c/m of
     a mode, the predicted update needs X < 1 + 2 beta.

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from warpdem.kernels.bonding import (
     BENDING,
     SHEAR,
@@ -38,7 +37,8 @@ def test_shear_of_a_bond_solves_the_same_equation():
     u, old = vec3(1.0, 2.0, 0.0), vec3(4.0, 0.0, 1.0)
     f = np.array(glued_across(vec3(1.0, 0.0, 2.0), real(3.0), u, real(0.5), old))
 
-    assert np.allclose(f, (np.array([1.0, 0.0, 2.0]) + [3.0, 6.0, 0.0] + [2.0, 0.0, 0.5]) / 1.5)
+    expected = np.array([1.0, 0.0, 2.0]) + np.array([3.0, 6.0, 0.0]) + np.array([2.0, 0.0, 0.5])
+    assert np.allclose(f, expected / 1.5)
 
 
 def test_yield_surface_is_met_at_each_strength_alone():
