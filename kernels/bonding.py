@@ -35,6 +35,15 @@ def glued_across(elastic: vec3, cn: real, u: vec3, beta: real, before: vec3) -> 
 
 
 @wp.func
+def implicit_share(rate: real, decay: real, dt: real) -> real:
+    """beta of a bond: that of its own pair, or what keeps many dashpots on a body stable.
+
+    The predicted update of dashpots alone is stable for X = decay dt < 1 + 2 beta.
+    """
+    return wp.max(rate * dt, real(0.5) * decay * dt - real(0.125))
+
+
+@wp.func
 def yielding(fn: real, ft: real, moment: real, fn0: real, ft0: real, m0: real, power: real) -> real:
     """(|ft|/ft0)^p + (|M|/m0)^p - fn/fn0 - 1: a bond yields where it is positive."""
     bent = wp.pow(ft / ft0, power) + wp.pow(moment / m0, power)

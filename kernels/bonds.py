@@ -14,6 +14,7 @@ from warpdem.kernels.bonding import (
     cracking,
     glued,
     glued_across,
+    implicit_share,
     leading,
     yielding,
 )
@@ -240,7 +241,9 @@ def bond_forces(laws: BondLaws) -> wp.Kernel:
         j = bonds.partner[k]
         d = bodies.position[i] - bodies.position[j]
         law = bonds.law[k]
-        beta = law.rate * dt
+        beta = implicit_share(law.rate, law.decay, dt)
+        if law.rate == real(0.0) or dt == real(0.0):
+            beta = real(0.0)
         force = vec3()
         torque = vec3()
         energy = bonds.energy[k]

@@ -160,7 +160,8 @@ class BondLaw:
     kt: real
     kr: real
     tau: real  # of the dashpots: their force is kn tau times the velocity
-    rate: real  # share of a bond's own force that is taken implicitly, a second
+    rate: real  # zeta omega of the pair: share of its own force a bond takes implicitly, a second
+    decay: real  # fastest that dashpots of its bodies could make a mode decay
     fn0: real
     ft0: real
     m0: real

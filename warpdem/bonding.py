@@ -214,20 +214,17 @@ def _laws(
     alone = rows["kn"] * np.sum(1.0 / mass, axis=1)
     rows["tau"] = 2.0 * zeta / np.sqrt(together if how.damping == "pair" else alone)
     if how.contact_update == "predicted":
-        rows["rate"] = _implicit_rate(placement, polyhedra, made, rows["kn"] * rows["tau"])
+        rows["rate"] = 0.5 * rows["tau"] * together
+        rows["decay"] = _decay(placement, polyhedra, made, rows["kn"] * rows["tau"])
     return wp.array(rows, dtype=BondLaw, device=device)
 
 
-def _implicit_rate(
+def _decay(
     placement: Placement, polyhedra: Mapping[str, Polyhedron], made: Interfaces, cn: FloatArray
 ) -> FloatArray:
-    """Beta / dt of each interface [1/s]: half of the fastest decay its dashpots take part in.
-
-    With it the dashpots alone are stable at any step, however many share a body: with X = dt c/m of
-    a mode, the predicted update needs X < 1 + 2 beta.
-    """
+    """Fastest decay that the dashpots on either body of an interface could cause [1/s]."""
     rates = highest(made, placement, *masses(placement, polyhedra), (cn, cn, 0.0 * cn))
-    return np.where(cn > 0.0, 0.5 * rates[made.bodies].max(axis=1), 0.0)
+    return rates[made.bodies].max(axis=1)
 
 
 def _damping_ratio(bond: Any) -> float:

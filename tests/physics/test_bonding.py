@@ -9,6 +9,7 @@ from warpdem.kernels.bonding import (
     cracking,
     glued,
     glued_across,
+    implicit_share,
     leading,
     yielding,
 )
@@ -39,6 +40,14 @@ def test_shear_of_a_bond_solves_the_same_equation():
 
     expected = np.array([1.0, 0.0, 2.0]) + np.array([3.0, 6.0, 0.0]) + np.array([2.0, 0.0, 0.5])
     assert np.allclose(f, expected / 1.5)
+
+
+@pytest.mark.parametrize("x", [0.1, 1.0, 30.0])
+def test_dashpots_are_stable_however_fast_they_decay(x):
+    beta = float(implicit_share(*numbers(0.01 * x, x, 1.0)))
+
+    assert x < 1.0 + 2.0 * beta
+    assert beta >= 0.01 * x
 
 
 def test_yield_surface_is_met_at_each_strength_alone():

@@ -88,9 +88,9 @@ class Recorder:
         self._surfaces = Surfaces(polyhedra, placement) if output.surface else None
         self._trajectory = _trajectory(polyhedra, placement)
         self._bonded = bonded
-        self._names = placement.names
-        mass = masses(placement, polyhedra)[0]
-        self._mass = np.where(placement.fixed, 0.0, mass)
+        if bonded:
+            self._names = placement.names
+            self._mass = np.where(placement.fixed, 0.0, masses(placement, polyhedra)[0])
         try:
             self._series = {stem: self._open_series(stem) for stem in self._stems()}
             self._tables = {name: self._open_table(name) for name in self._table_names()}

@@ -91,7 +91,7 @@ class Session:
             simulation.placement,
             writer,
             self.start,
-            bonded=simulation.features.bonds,
+            bonded=bool(self.scene.bond),
         )
         try:
             with writer:
