@@ -128,7 +128,7 @@ def test_fragments_are_what_hangs_together():
 
     assert found.tolist() == [0, 0, 2, 0, 4, 4]
     size = sizes(found, np.array([1.0, 1.0, 5.0, 1.0, 1.0, 0.0]))
-    assert (size.count, size.joined) == (3, 2)
+    assert (size.total, size.joined) == (3, 2)
     assert size.largest[:3].tolist() == [5.0, 3.0, 1.0]
 
 

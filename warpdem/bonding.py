@@ -107,21 +107,22 @@ class Bonding:
     def energies(self) -> tuple[float, float, float]:
         """Elastic energy now, lost in dashpots so far, released by breakage so far [J]."""
         energy = self.bonds.energy.numpy()
-        return tuple(map(float, energy[:, [0, 2, 3]].sum(axis=0)))
+        elastic, lost, released = map(float, energy[:, [0, 2, 3]].sum(axis=0))
+        return elastic, lost, released
 
     def breakage(self, free: BoolArray) -> Breakage:
         """What has broken so far and what hangs together."""
         bonds = self.bonds
         standing = self.standing
         return Breakage(
-            bodies=self.made.bodies,
-            bond_count=self.made.counts,
+            bodies=self.made.bodies.astype(np.int32),
+            bond_count=self.made.counts.astype(np.int32),
             intact=standing,
             step=bonds.step.numpy().copy(),
             time=self.time.copy(),
             mode=bonds.mode.numpy().copy(),
             released=bonds.energy.numpy()[:, 3].copy(),
-            fragment=fragments(self.made.bodies[standing], free),
+            fragment=fragments(self.made.bodies[standing], free).astype(np.int32),
         )
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -197,7 +198,7 @@ def _laws(
     made: Interfaces,
     device: Any,
 ) -> wp.array:
-    rows = np.zeros(len(made), dtype=BondLaw.numpy_dtype())
+    rows: Any = np.zeros(len(made), dtype=BondLaw.numpy_dtype())
     for key in ("kn", "kt", "kr"):
         rows[key] = made.stiffness(key)
     for key in ("fn0", "ft0", "m0"):

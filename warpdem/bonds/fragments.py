@@ -47,13 +47,13 @@ class Sizes(NamedTuple):
     """How a scene has fallen apart; fixed bodies have no mass.
 
     Attributes:
-        count: Of fragments, single bodies included.
+        total: Number of fragments, single bodies included.
         joined: Of those of two bodies or more.
         mean: Mass [kg].
         largest: Masses of the largest ones [kg], 0 where there are fewer, shape [LARGEST].
     """
 
-    count: int
+    total: int
     joined: int
     mean: float
     largest: FloatArray
@@ -62,9 +62,9 @@ class Sizes(NamedTuple):
 def sizes(fragment: IntArray, mass: FloatArray) -> Sizes:
     """Sizes of the fragments that have a free body; ``mass`` is 0 for fixed ones [kg]."""
     names, inverse, count = np.unique(fragment, return_inverse=True, return_counts=True)
-    total = np.bincount(inverse, weights=mass, minlength=len(names))
-    loose = total > 0.0
-    masses = np.sort(total[loose])[::-1]
+    weight = np.bincount(inverse, weights=mass, minlength=len(names))
+    loose = weight > 0.0
+    masses = np.sort(weight[loose])[::-1]
     largest = np.zeros(LARGEST)
     largest[: min(LARGEST, len(masses))] = masses[:LARGEST]
     return Sizes(len(masses), int((count[loose] > 1).sum()), float(masses.mean()), largest)

@@ -66,4 +66,5 @@ def highest(
         block[:, 3:, 3:] += kr[:, None, None] * np.eye(3)
         np.add.at(blocks, end, phi[:, None, None] * block)
     scale = 1.0 / np.sqrt(np.column_stack([mass, mass, mass, moment]))
-    return np.linalg.eigvalsh(scale[:, :, None] * blocks * scale[:, None, :])[:, -1]
+    squares = np.linalg.eigvalsh(scale[:, :, None] * blocks * scale[:, None, :])
+    return squares[:, -1].astype(np.float64)

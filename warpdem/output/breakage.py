@@ -57,6 +57,6 @@ def fragments_row(snapshot: Snapshot, mass: FloatArray) -> str:
     assert breakage is not None
     found = sizes(breakage.fragment, mass)
     bonds = int(breakage.bond_count[breakage.intact].sum())
-    counts = f"{int(breakage.intact.sum())},{bonds},{found.count},{found.joined}"
+    counts = f"{int(breakage.intact.sum())},{bonds},{found.total},{found.joined}"
     masses = ",".join(f"{value:.17g}" for value in (found.mean, *found.largest))
     return f"{snapshot.time:.17g},{counts},{masses}\n"
