@@ -13,11 +13,11 @@ import functools
 import warp as wp
 from warpdem.kernels.bounds import bodies_near
 from warpdem.kernels.cell import real_vector
-from warpdem.kernels.neighbours import owns
+from warpdem.kernels.neighbours import glued, owns
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.surfaces import surface_near
 from warpdem.kernels.variant import inlined, plain, variant
-from warpdem.kernels.views import Bodies, Cell, Geometry, Inertia
+from warpdem.kernels.views import Bodies, Bonds, Cell, Geometry, Inertia
 
 
 @plain
@@ -94,31 +94,44 @@ def passes(m: wp.vec3i, spanning: wp.vec3i) -> bool:
     return True
 
 
-@inlined()
-def meets(
-    geometry: Geometry,
-    inertia: Inertia,
-    bodies: Bodies,
-    cell: Cell,
-    i: int,
-    j: int,
-    m: wp.vec3i,
-    n: wp.vec3i,
-    skin: real,
-) -> bool:
-    """Whether i owns its pair with image n of j, and they could touch within the skin."""
-    if i == j:
-        if inertia.inverse_mass[i] == real(0.0) or not comes_first(m):
+@functools.cache
+def meeting(*, bonds: bool) -> wp.Function:
+    """Function of whether a body and an image of another make a pair."""
+
+    @inlined()
+    def meets(
+        geometry: Geometry,
+        inertia: Inertia,
+        bodies: Bodies,
+        glue: Bonds,
+        cell: Cell,
+        i: int,
+        j: int,
+        m: wp.vec3i,
+        n: wp.vec3i,
+        skin: real,
+    ) -> bool:
+        """Whether i owns its pair with image n of j, and they could touch within the skin."""
+        if i == j:
+            if inertia.inverse_mass[i] == real(0.0) or not comes_first(m):
+                return False
+        elif not owns(geometry, inertia, i, j):
             return False
-    elif not owns(geometry, inertia, i, j):
-        return False
-    d = bodies.position[i] - bodies.position[j] - cell.edges[0] * real_vector(n)
-    return bodies_near(geometry, bodies, i, j, d, skin)
+        if wp.static(bonds):
+            # bonds are between bodies, not their images
+            if n[0] == 0 and n[1] == 0 and n[2] == 0:
+                if glued(glue, i, j):
+                    return False
+        d = bodies.position[i] - bodies.position[j] - cell.edges[0] * real_vector(n)
+        return bodies_near(geometry, bodies, i, j, d, skin)
+
+    return meets
 
 
 @functools.cache
-def find_images(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
+def find_images(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.Kernel:
     """Kernel that counts, or writes by ascending partner, the images each body owns a pair with."""
+    meets = meeting(bonds=bonds)
 
     @variant
     def find_images(
@@ -135,6 +148,7 @@ def find_images(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
         # in
         skin: real,
         bodies: Bodies,
+        glue: Bonds,
         cell: Cell,
         home: wp.array(dtype=wp.vec3i),
         wrapped: wp.array(dtype=vec3),
@@ -167,7 +181,7 @@ def find_images(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
                         for j in wp.hash_grid_query(grid, x, grown + grid_bound):
                             n = m + home[i] - home[j]
                             if geometry.large[j] == 0 and passes(m, cell.spanning[j]):
-                                if meets(geometry, inertia, bodies, cell, i, j, m, n, skin):
+                                if meets(geometry, inertia, bodies, glue, cell, i, j, m, n, skin):
                                     if wp.static(fill):
                                         insert_image(partner, image, first, first + count, j, n)
                                     count += 1
@@ -181,7 +195,7 @@ def find_images(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
                             j = tree_body[item]
                             n = m + home[i] - home[j]
                             if passes(m, cell.spanning[j]):
-                                if meets(geometry, inertia, bodies, cell, i, j, m, n, skin):
+                                if meets(geometry, inertia, bodies, glue, cell, i, j, m, n, skin):
                                     if wp.static(fill):
                                         insert_image(partner, image, first, first + count, j, n)
                                     count += 1

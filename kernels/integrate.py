@@ -16,6 +16,7 @@ from warpdem.kernels.variant import inlined, plain, variant
 from warpdem.kernels.views import (
     Account,
     Bodies,
+    Bonds,
     Cell,
     Clock,
     Drives,
@@ -223,12 +224,31 @@ def book(energy: Account, body: int, power: real, dt: real):
     energy.body_power[body] = power
 
 
+@inlined()
+def gather_bonds(bonds: Bonds, joined: Incidence, body: int):
+    """Force and torque of the bonds on a body, summed over its interfaces in a fixed order."""
+    force = vec3()
+    torque = vec3()
+    for k in range(joined.start[body], joined.start[body + 1]):
+        code = joined.pair[k]
+        interface = code >> 1
+        if bonds.state[interface] != 0:
+            if (code & 1) == 0:
+                force += bonds.force[interface]
+                torque += bonds.torque[interface]
+            else:
+                force -= bonds.force[interface]
+                torque += bonds.torque_partner[interface]
+    return force, torque
+
+
 @functools.cache
 def kick(
     torque_of: wp.Function,
     forces: Forces,
     *,
     contacts: bool,
+    bonds: bool,
     controlled: bool,
     work: bool,
     deforming: bool,
@@ -250,6 +270,8 @@ def kick(
         span: wp.array(dtype=wp.int32),
         pairs: Pairs,
         incidence: Incidence,
+        glue: Bonds,
+        joined: Incidence,
         clock: Clock,
         cell: Cell,
         # in and out
@@ -271,6 +293,10 @@ def kick(
         torque = vec3()
         if wp.static(contacts):
             force, torque = gather(pairs, incidence, body)
+        if wp.static(bonds):
+            held, turning = gather_bonds(glue, joined, body)
+            force += held
+            torque += turning
         if free:
             weight = gravity / inertia.inverse_mass[body]
             if wp.static(forces.some):

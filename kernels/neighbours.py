@@ -10,7 +10,7 @@ from warpdem.kernels.bounds import bodies_near
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.surfaces import surface_near
 from warpdem.kernels.variant import inlined, plain, variant
-from warpdem.kernels.views import Bodies, Geometry, Incidence, Inertia, Pairs
+from warpdem.kernels.views import Bodies, Bonds, Geometry, Incidence, Inertia, Pairs
 
 
 @inlined()
@@ -19,6 +19,30 @@ def owns(geometry: Geometry, inertia: Inertia, i: int, j: int) -> bool:
     if inertia.inverse_mass[i] == real(0.0) and inertia.inverse_mass[j] == real(0.0):
         return False
     return geometry.rank[i] < geometry.rank[j]
+
+
+@wp.func
+def lower_bound(values: wp.array(dtype=wp.int32), first: int, last: int, value: int) -> int:
+    """First place in a sorted slice that is not below ``value``."""
+    low = first
+    high = last
+    while low < high:
+        middle = (low + high) >> 1
+        if values[middle] < value:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@inlined()
+def glued(bonds: Bonds, i: int, j: int) -> bool:
+    """Whether an intact interface joins owner i and partner j: then they have no contact."""
+    last = bonds.owned[i + 1]
+    k = lower_bound(bonds.partner, bonds.owned[i], last, j)
+    if k >= last:
+        return False
+    return bonds.partner[k] == j and bonds.state[k] == 1
 
 
 @wp.func
@@ -32,7 +56,7 @@ def insert(partners: wp.array(dtype=wp.int32), first: int, last: int, partner: i
 
 
 @functools.cache
-def find_partners(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
+def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.Kernel:
     """Kernel that counts, or writes in ascending order, the partners each body owns."""
 
     @variant
@@ -48,6 +72,7 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
         # in
         skin: real,
         bodies: Bodies,
+        glue: Bonds,
         # out
         ends: wp.array(dtype=wp.int32),
         owner: wp.array(dtype=wp.int32),
@@ -63,8 +88,11 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
         if geometry.large[i] == 0:
             for j in wp.hash_grid_query(grid, x, geometry.bound[i] + grid_bound + skin):
                 if geometry.large[j] == 0 and owns(geometry, inertia, i, j):
-                    d = x - bodies.position[j]
-                    if bodies_near(geometry, bodies, i, j, d, skin):
+                    near = bodies_near(geometry, bodies, i, j, x - bodies.position[j], skin)
+                    if wp.static(bonds):
+                        if near:
+                            near = not glued(glue, i, j)
+                    if near:
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1
@@ -79,8 +107,11 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
             while wp.bvh_query_next(query, item):
                 j = tree_body[item]
                 if j != i and owns(geometry, inertia, i, j):
-                    d = x - bodies.position[j]
-                    if bodies_near(geometry, bodies, i, j, d, skin):
+                    near = bodies_near(geometry, bodies, i, j, x - bodies.position[j], skin)
+                    if wp.static(bonds):
+                        if near:
+                            near = not glued(glue, i, j)
+                    if near:
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1
@@ -88,7 +119,11 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool) -> wp.Kernel:
             for k in range(surface_body.shape[0]):
                 j = surface_body[k]
                 if owns(geometry, inertia, i, j):
-                    if surface_near(geometry, bodies, i, j, skin):
+                    near = surface_near(geometry, bodies, i, j, skin)
+                    if wp.static(bonds):
+                        if near:
+                            near = not glued(glue, i, j)
+                    if near:
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1
@@ -121,20 +156,6 @@ def incidence_keys(
     keys[2 * pair + 1] = j
     values[2 * pair + 1] = 2 * pair + 1
     pairs.material[pair] = geometry.group[i] * group_count + geometry.group[j]
-
-
-@wp.func
-def lower_bound(values: wp.array(dtype=wp.int32), first: int, last: int, value: int) -> int:
-    """First place in a sorted slice that is not below ``value``."""
-    low = first
-    high = last
-    while low < high:
-        middle = (low + high) >> 1
-        if values[middle] < value:
-            low = middle + 1
-        else:
-            high = middle
-    return low
 
 
 @plain

@@ -268,3 +268,52 @@ class Account:
     power: wp.array(dtype=vec4)
     body_power: wp.array(dtype=real)
     work: wp.array(dtype=real)
+
+
+@wp.struct
+class BondLaw:
+    """Parameters of an interface's bonds [N/m, N m/rad, s, 1/s, N, N m, J]; inf: unbreakable."""
+
+    kn: real
+    kt: real
+    kr: real
+    tau: real  # of the dashpots: their force is kn tau times the velocity
+    rate: real  # zeta omega of the pair: share of its own force a bond takes implicitly, a second
+    decay: real  # fastest that dashpots of its bodies could make a mode decay
+    fn0: real
+    ft0: real
+    m0: real
+    power: real
+    stretching: real  # energies beyond which the interface breaks
+    shearing: real
+    both: real
+
+
+@wp.struct
+class Bonds:
+    """Interfaces sorted by owner and partner, and their bonds; they never change places."""
+
+    # of a body: its first interface as owner; one entry more than there are bodies
+    owned: wp.array(dtype=wp.int32)
+    # of an interface
+    owner: wp.array(dtype=wp.int32)
+    partner: wp.array(dtype=wp.int32)
+    start: wp.array(dtype=wp.int32)  # first bond; one entry more than there are interfaces
+    law: wp.array(dtype=BondLaw)
+    state: wp.array(dtype=wp.int32)  # BROKEN, INTACT or YIELDED
+    mode: wp.array(dtype=wp.int32)  # what broke it
+    step: wp.array(dtype=wp.int32)  # at which it broke
+    force: wp.array(dtype=vec3)  # on the owner
+    torque: wp.array(dtype=vec3)  # on the owner, about its centre of mass
+    torque_partner: wp.array(dtype=vec3)
+    energy: wp.array(dtype=vec4)  # elastic, its rate, lost in dashpots, released
+    power: wp.array(dtype=real)  # of the dashpots
+    # of a bond
+    code: wp.array(dtype=wp.int64)  # as that of a candidate
+    rest: wp.array(dtype=real)  # gap without force
+    held: wp.array(dtype=vec4)  # elastic tangential force, and normal force
+    viscous: wp.array(dtype=vec3)  # tangential force of the dashpot
+    bent: wp.array(dtype=vec4)  # moment: tangent part, and about the normal
+    normal: wp.array(dtype=vec3)
+    point: wp.array(dtype=vec3)  # about the partner's centre of mass
+    gap: wp.array(dtype=real)

@@ -61,6 +61,7 @@ def placement(position, *, scale=1.0, fixed=False):
 
 def contacts(count=1):
     return Contacts(
+        bonded=np.zeros(count, dtype=bool),
         bodies=np.tile(np.array([[0, 2]], np.int32), (count, 1)),
         kind=np.full(count, 3, np.int32),
         features=np.zeros((count, 2), np.int32),

@@ -11,6 +11,7 @@ ROOT = Path(__file__).resolve().parents[1]
 HOST = sorted((ROOT / "warpdem").rglob("*.py"))
 # what may import warp on the host: the modules that build, launch and read the device's arrays
 DEVICE_SIDE = {
+    "bonding",
     "build",
     "compile",
     "device_forces",
@@ -22,6 +23,7 @@ DEVICE_SIDE = {
     "materials",
     "model",
     "observe",
+    "observe_bonds",
     "periodic",
     "resume",
     "simulation",

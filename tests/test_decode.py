@@ -132,7 +132,7 @@ def test_faults_of_keys_and_between_keys_come_together():
         (
             "radius = 0.1",
             "radius = 0.1\nkn = 3",
-            "8  shape[0].kn: unknown key here; it belongs to [[contact]]",
+            "8  shape[0].kn: unknown key here; it belongs to [[contact]], [[bond]]",
         ),
         (
             'kind = "sphere"',

@@ -104,7 +104,8 @@ def test_contacts_are_points_with_forces(tmp_path, count):
     grid = pyvista.read(path)
     assert grid.n_points == count
     if count:
-        assert set(grid.point_data) == {"normal", "fn", "ft", "force", "gap", "bodies", "kind"}
+        forces = {"normal", "fn", "ft", "force", "gap", "moment"}
+        assert set(grid.point_data) == forces | {"bodies", "kind", "bonded"}
         assert np.allclose(grid.point_data["force"], [1.0, 0.0, 5.0])
 
 

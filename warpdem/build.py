@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
+from warpdem.bonding import Bonding
 from warpdem.checks.timestep import masses
 from warpdem.device_forces import external_of
 from warpdem.device_shapes import shape_arrays
 from warpdem.drives import allocate_drives, gauges
-from warpdem.features import Features, has_tree, large_bodies, surface_bodies
+from warpdem.features import Features, large_bodies, ranks, surface_bodies
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Geometry, Inertia
 from warpdem.materials import materials
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from warpdem.arrays import FloatArray
+    from warpdem.bonds.creation import Interfaces
     from warpdem.driving.plan import Plan
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
@@ -38,8 +40,10 @@ def build(
     placement: Placement,
     polyhedra: Mapping[str, Polyhedron],
     features: Features,
-    plan: Plan,
     device: Any,
+    *,
+    plan: Plan,
+    interfaces: Interfaces | None,
 ) -> tuple[Model, State]:
     """Model and state of a placed scene on a device."""
     shapes = list(polyhedra.values())
@@ -78,6 +82,9 @@ def build(
     drives = allocate_drives(device, plan, features, state.clock)
     state = replace(state, drives=drives)
     _start(state, placement, mass, moment)
+    if interfaces is not None:
+        bonding = Bonding(scene, placement, polyhedra, interfaces, features, device)
+        state = replace(state, bonding=bonding)
     return model, state
 
 
@@ -104,11 +111,6 @@ def _body_arrays(
     """Fill the body-to-shape table; returns the number of vertices of all bodies."""
     counts = np.array([len(shape.vertices) for shape in shapes])[placement.shape]
     starts = np.concatenate([[0], np.cumsum(counts)])
-    tree = np.array([has_tree(shape) for shape in shapes])[placement.shape]
-    # surfaces are the partner of all others
-    order = np.lexsort((np.arange(len(counts)), tree, large, surface_bodies(placement, shapes)))
-    rank = np.empty(len(counts), dtype=np.int32)
-    rank[order] = np.arange(len(counts))
     radius = np.array([shape.radius for shape in shapes])[placement.shape] * placement.scale
     geometry.shape = on(device, placement.shape.astype(np.int32), wp.int32)
     geometry.scale = on(device, placement.scale, real)
@@ -116,7 +118,7 @@ def _body_arrays(
     geometry.bound = on(device, bound, real)
     geometry.arm_start = on(device, starts[:-1].astype(np.int32), wp.int32)
     geometry.group = on(device, placement.group.astype(np.int32), wp.int32)
-    geometry.rank = on(device, rank, wp.int32)
+    geometry.rank = on(device, ranks(placement, shapes), wp.int32)
     geometry.large = on(device, large.astype(np.int32), wp.int32)
     return int(starts[-1])
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import warp as wp
 
+from warpdem.bonding import release_kernel
+from warpdem.kernels.bond_bound import bond_bound
 from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.driving import wall_frequency
 from warpdem.kernels.images import find_images, wrap_bodies
@@ -41,10 +43,12 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
         return kernels
     for fill in (False, True):
         word = "fill" if fill else "count"
-        kernels[f"{word} pairs"] = find_partners(fill=fill, large=has.large, surfaces=has.surfaces)
+        kernels[f"{word} pairs"] = find_partners(
+            fill=fill, large=has.large, surfaces=has.surfaces, bonds=has.bonds
+        )
         if has.periodic:
             kernels[f"{word} pairs"] = find_images(
-                fill=fill, large=has.large, surfaces=has.surfaces
+                fill=fill, large=has.large, surfaces=has.surfaces, bonds=has.bonds
             )
             kernels["wrap"] = wrap_bodies
         kernels[f"{word} candidates"] = find_candidates(
@@ -59,6 +63,9 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
     kernels["measures"] = frequency_bound(has.partnership, periodic=has.periodic)
     if has.controlled:
         kernels["wall measures"] = wall_frequency
+    if has.bonds:
+        kernels["release"] = release_kernel(has)
+        kernels["measures of bonds"] = bond_bound
     return kernels
 
 

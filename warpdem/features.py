@@ -76,6 +76,10 @@ class Features:
     deforming: bool
     cell_sums: bool
     account: bool
+    bonds: bool
+    bond_damping: bool
+    bond_moments: bool
+    bond_creep: bool
 
     @property
     def acted(self) -> bool:
@@ -118,6 +122,10 @@ def features_of(
         deforming=deforming,
         cell_sums=deforming and (scene.output.energy or held),
         account=scene.output.energy,
+        bonds=bool(scene.bond),
+        bond_damping=any(bond.damping_ratio or bond.en2 < 1.0 for bond in scene.bond),
+        bond_moments=any(bond.kr > 0.0 for bond in scene.bond),
+        bond_creep=bool(scene.bond) and scene.run.compat == "rockable",
         **_numerics(how, laws),
         **_laws(scene, laws),
         **_forces(scene),
@@ -208,6 +216,17 @@ def large_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
     return surface | (bound > LARGE_BODY * float(np.median(bound[free])))
 
 
+def ranks(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
+    """Rank of each body, shape [body_count]; of two bodies the lower one owns the pair."""
+    tree = np.array([has_tree(shape) for shape in shapes])[placement.shape]
+    # surfaces are the partner of all others
+    surface = surface_bodies(placement, shapes)
+    order = np.lexsort((np.arange(len(tree)), tree, large_bodies(placement, shapes), surface))
+    rank = np.empty(len(tree), dtype=np.int32)
+    rank[order] = np.arange(len(tree))
+    return rank
+
+
 def _is_spherical(shape: Polyhedron) -> bool:
     moment = shape.inertia_over_mass
     return bool(np.ptp(moment) <= SPHERICAL * np.max(moment))
@@ -218,4 +237,5 @@ def stage_names(features: Features) -> tuple[str, ...]:
     cell = (*(["stress"] if features.cell_sums else []), *(["cell"] if features.deforming else []))
     if not features.contacts:
         return ("drift", *cell, "kick")
-    return ("drift", "rebuild if moved", "pair forces", *cell, "gather and kick")
+    bonds = ("bond forces",) if features.bonds else ()
+    return ("drift", "rebuild if moved", "pair forces", *bonds, *cell, "gather and kick")

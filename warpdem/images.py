@@ -13,7 +13,7 @@ from warpdem.kernels.precision import vec3
 
 if TYPE_CHECKING:
     from warpdem.arrays import FloatArray, IntArray
-    from warpdem.kernels.views import Pairs
+    from warpdem.kernels.views import Bonds, Pairs
     from warpdem.model import Model
     from warpdem.state import State
 
@@ -112,6 +112,7 @@ class Images:
         self,
         search: tuple[int, float, int, wp.array],
         skin: float,
+        glue: Bonds,
         outputs: list[wp.array],
         *,
         fill: bool,
@@ -120,7 +121,12 @@ class Images:
         """Count or write the pairs; ``search``: grid, its largest radius, tree, bodies in it."""
         model, state = self._model, self._state
         wp.launch(
-            find_images(fill=fill, large=large, surfaces=model.features.surfaces),
+            find_images(
+                fill=fill,
+                large=large,
+                surfaces=model.features.surfaces,
+                bonds=model.features.bonds,
+            ),
             dim=model.body_count,
             inputs=[
                 model.geometry,
@@ -131,6 +137,7 @@ class Images:
                 self._surface_body,
                 skin,
                 state.bodies,
+                glue,
                 state.cell,
                 self.home,
                 self.wrapped,

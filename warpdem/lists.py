@@ -12,7 +12,7 @@ from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.matching import carry_history
 from warpdem.kernels.neighbours import find_partners, incidence_keys, incidence_starts
 from warpdem.kernels.precision import real, vec3, vec4
-from warpdem.kernels.views import Candidates, Incidence, Pairs
+from warpdem.kernels.views import Bonds, Candidates, Incidence, Pairs
 
 if TYPE_CHECKING:
     from warpdem.arrays import FloatArray
@@ -41,6 +41,7 @@ class Lists:
         generation: Changes whenever an array was replaced by a larger one.
         skin: Distance within which feature pairs are listed now [m].
         has_images: Pairs have images of a periodic cell.
+        ends: Where the pairs of each owner end, shape [body_count].
         spent: Energy lost in dashpots, friction, rolling by pairs of earlier lists [J].
     """
 
@@ -64,7 +65,7 @@ class Lists:
         self._candidate_room = 0
         count = model.body_count
         self.incidence.start = wp.zeros(count + 1, dtype=wp.int32, device=device)
-        self._ends = wp.zeros(count, dtype=wp.int32, device=device)
+        self.ends = wp.zeros(count, dtype=wp.int32, device=device)
         self._grid_bound = float(model.bound[~model.large].max(initial=0.0))
         self._grid = self._hash_grid()
         self._tree: wp.Bvh | None = None
@@ -190,7 +191,7 @@ class Lists:
         pairs, candidates = self.pairs, self.candidates
         count, length = self.pair_count, self.candidate_count
         return (
-            wp.clone(self._ends),
+            wp.clone(self.ends),
             wp.clone(pairs.partner[: max(count, 1)]),
             wp.clone(pairs.image[: max(count, 1)]) if self.has_images else pairs.image,
             wp.clone(pairs.start[: count + 1]),
@@ -226,16 +227,23 @@ class Lists:
         tree = self._large_tree()
         large = tree is not None
         tree_id = tree.id if tree is not None else 0
+        bonding = self._state.bonding
+        glue = bonding.bonds if bonding else Bonds()
 
         def launch(*, fill: bool) -> None:
-            outputs = [self._ends, self.pairs.owner, self.pairs.partner]
+            outputs = [self.ends, self.pairs.owner, self.pairs.partner]
             if self._images is not None:
                 search = (self._grid.id, self._grid_bound, tree_id, self._tree_body)
                 outputs.append(self.pairs.image)
-                self._images.find(search, reach, outputs, fill=fill, large=large)
+                self._images.find(search, reach, glue, outputs, fill=fill, large=large)
                 return
             wp.launch(
-                find_partners(fill=fill, large=large, surfaces=model.features.surfaces),
+                find_partners(
+                    fill=fill,
+                    large=large,
+                    surfaces=model.features.surfaces,
+                    bonds=model.features.bonds,
+                ),
                 dim=model.body_count,
                 inputs=[
                     model.geometry,
@@ -247,14 +255,15 @@ class Lists:
                     self._surface_body,
                     reach,
                     bodies,
+                    glue,
                 ],
                 outputs=outputs,
                 device=model.device,
             )
 
         launch(fill=False)
-        wp.utils.array_scan(self._ends, self._ends, inclusive=True)
-        self.pair_count = int(self._ends[-1:].numpy()[0])
+        wp.utils.array_scan(self.ends, self.ends, inclusive=True)
+        self.pair_count = int(self.ends[-1:].numpy()[0])
         self._grow_pairs(self.pair_count)
         if self.pair_count:
             launch(fill=True)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpdem import observe_bonds
 from warpdem.build import rotate, rotate_back
 from warpdem.periodic import cell_state, flow, shifts
 from warpdem.snapshot import Contacts, Energy, Snapshot
@@ -43,10 +44,11 @@ def snapshot(
         spin=spin,
         force=force,
         torque=torque,
-        contacts=touching(state, lists, rolling=model.features.rolling) if contacts else None,
+        contacts=_contacts(model, state, lists) if contacts else None,
         energy=energy,
         cell=cell_state(model, state, lists, velocity),
         work=state.account.work.numpy().copy() if model.features.work else None,
+        breakage=state.bonding.breakage(model.free) if state.bonding else None,
     )
 
 
@@ -89,7 +91,17 @@ def _forces(model: Model, state: State, lists: Lists) -> tuple[FloatArray, Float
     np.add.at(torque, owner[mine], pairs.torque.numpy()[on][mine])
     np.subtract.at(force, partner[theirs], f[theirs])
     np.add.at(torque, partner[theirs], pairs.torque_partner.numpy()[on][theirs])
+    if state.bonding:
+        observe_bonds.add_forces(state.bonding, fixed, force, torque)
     return force, torque
+
+
+def _contacts(model: Model, state: State, lists: Lists) -> Contacts:
+    """Touching sub-contacts, then the bonds."""
+    found = touching(state, lists, rolling=model.features.rolling)
+    if not state.bonding:
+        return found
+    return observe_bonds.with_bonds(found, state.bonding, state.bodies.position.numpy())
 
 
 def slots(lists: Lists) -> tuple[IntArray, IntArray]:
@@ -127,12 +139,14 @@ def touching(state: State, lists: Lists, *, rolling: bool) -> Contacts:
         normal_force=past[:, 3],
         tangential_force=past[:, :3],
         moment=rolled[:, :3] + rolled[:, 3:] * normal,
+        bonded=np.zeros(len(which), dtype=bool),
     )
 
 
 def total_energy(model: Model, state: State, lists: Lists) -> float:
     """Kinetic, potential and elastic energy now [J]."""
-    return sum(_stored(model, state, lists))
+    bond = state.bonding.energies()[0] if state.bonding else 0.0
+    return sum(_stored(model, state, lists)) + bond
 
 
 def pair_energies(model: Model, state: State, lists: Lists) -> tuple[IntArray, FloatArray]:
@@ -173,6 +187,9 @@ def _works(model: Model, state: State) -> tuple[float, float]:
 def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -> Energy:
     kinetic, potential, elastic = _stored(model, state, lists)
     lost = lists.spent + lists.since() - 0.5 * dt * lists.power()
+    bond, dashpot, broken = state.bonding.energies() if state.bonding else (0.0, 0.0, 0.0)
+    lost[0] += dashpot
+    stored = kinetic + potential + elastic + bond
     work, external = _works(model, state)
     place, _ = slots(lists)
     gap = lists.candidates.gap.numpy()[place]
@@ -185,9 +202,11 @@ def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -
         rolling=float(lost[2]),
         work=work,
         external=external,
-        balance=kinetic + potential + elastic + float(lost.sum()) - work - external - start,
+        balance=stored + float(lost.sum()) + broken - work - external - start,
         contact_count=len(place),
         largest_overlap=float(-gap.min(initial=0.0)),
+        bond=bond,
+        broken=broken,
     )
 
 

@@ -71,7 +71,7 @@ def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
     place, _ = slots(lists)
     for name in TOUCHING:
         saved[f"touching_{name}"] = getattr(candidates, name).numpy()[place]
-    return saved
+    return saved | (state.bonding.arrays() if state.bonding else {})
 
 
 def put_back(
@@ -91,6 +91,8 @@ def put_back(
     state.drives.turn.assign(saved["drives_turn"])
     state.account.work.assign(saved["work"])
     state.account.body_power.assign(saved["body_power"])
+    if state.bonding:
+        state.bonding.put_back_states(saved)
     if contacts:
         bodies.position.assign(saved["listed_position"])
         bodies.orientation.assign(saved["listed_orientation"])
@@ -100,6 +102,8 @@ def put_back(
         bodies.orientation.assign(saved["orientation"])
     _restore_cell(state, saved, edges="cell_edges")
     orient()
+    if state.bonding and state.bonding.put_back(saved):
+        state.clock.moved.fill_(1)
 
 
 def _restore_cell(state: State, saved: dict[str, np.ndarray], *, edges: str) -> None:

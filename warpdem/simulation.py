@@ -10,6 +10,7 @@ import numpy as np
 import warp as wp
 
 from warpdem import observe, resume
+from warpdem.bonds.creation import bonds_of
 from warpdem.build import build
 from warpdem.checks.check import build_shapes
 from warpdem.checks.custom_laws import check_custom_laws
@@ -24,7 +25,18 @@ from warpdem.filling.placement import place
 from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.integrate import orient
 from warpdem.lists import Lists
-from warpdem.stages import Stage, after_drift, areas, cell, cell_drift, drift, forces, halt, kick
+from warpdem.stages import (
+    Stage,
+    after_drift,
+    areas,
+    bonds,
+    cell,
+    cell_drift,
+    drift,
+    forces,
+    halt,
+    kick,
+)
 from warpdem.state import cut
 from warpdem.step_bound import step_bound
 from warpdem.stepper import Stepper, launch
@@ -72,14 +84,21 @@ class Simulation:
         self.placement = place(scene, self.polyhedra)
         self.features = features_of(scene, self.placement, self.polyhedra)
         self.notes = list(self.placement.notes)
-        step = automatic_step(scene, self.placement, self.polyhedra)
+        interfaces = bonds_of(scene, self.placement, self.polyhedra)
+        step = automatic_step(scene, self.placement, self.polyhedra, interfaces)
         self.notes.extend(filter(None, [step.message]))
         self.dt = step.dt
         self.device = find_device(device or scene.run.device)
         self._threads = threads or os.cpu_count() or 1
         self.plan = plan_of(scene, self.placement, self.polyhedra)
         self._model, self._state = build(
-            scene, self.placement, self.polyhedra, self.features, self.plan, self.device
+            scene,
+            self.placement,
+            self.polyhedra,
+            self.features,
+            self.device,
+            plan=self.plan,
+            interfaces=interfaces,
         )
         self._blocks = Blocks(self.plan, self.features, self._state.drives)
         self._lists = Lists(self._model, self._state)
@@ -220,8 +239,10 @@ class Simulation:
     def _launch(self, *stages: Stage) -> None:
         self._whole.pairs.assign([0, self._lists.pair_count])
         for stage in stages:
+            bonding = self._state.bonding
             count = {"bodies": self.body_count, "pairs": self._lists.pair_count}
-            count |= {"gauges": len(self._model.gauges), "chunks": CHUNKS, "one": 1}
+            count |= {"interfaces": len(bonding) if bonding else 0, "chunks": CHUNKS}
+            count |= {"gauges": len(self._model.gauges), "one": 1}
             launch(stage, count[stage.over], self.device)
 
     def _orient(self) -> None:
@@ -251,10 +272,11 @@ class Simulation:
         else:
             state.clock.reach.fill_(float("inf"))
         first = self.features.first_step
+        glued = bonds(model, state, whole, 0.0)
         if contacts and first != "gravity":
             if first == "forces":
                 # exaDEM's friction springs are already one step old at time zero
-                self._launch(forces(model, state, lists, whole, self.dt))
+                self._launch(forces(model, state, lists, whole, self.dt), *glued)
                 self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
                 state.bodies.torque.zero_()
             else:
@@ -264,7 +286,7 @@ class Simulation:
             self._lower_step()
         else:
             self._launch(*cell(model, state, lists, whole, 0.0, onward=False))
-            self._launch(kick(model, state, lists, whole, 0.0, contacts=False))
+            self._launch(*glued, kick(model, state, lists, whole, 0.0, contacts=False))
         self._make_stages()
 
     def _steps_to(self, until: float) -> int:
@@ -304,6 +326,9 @@ class Simulation:
             return
         self._examine_step()
         self._lists.rebuild()
+        if bonding := self._state.bonding:
+            yielded = self.time - self.dt
+            bonding.resolve(self._model, self._state, self._lists, dt=self.dt, time=yielded)
         self._stepper.prepare()
 
     def _name_fault(self) -> None:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
     FloatArray = NDArray[np.float64]
     IntArray = NDArray[np.int32]
+    BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class Contacts:
         normal_force: fn on i along the normal, positive repels [N], shape [contact_count].
         tangential_force: ft on i, world [N], shape [contact_count, 3].
         moment: Rolling moment on i, world [N m], shape [contact_count, 3].
+        bonded: It is a bond; these come last, sorted alike, open or closed; shape [contact_count].
     """
 
     bodies: IntArray
@@ -40,6 +42,33 @@ class Contacts:
     normal_force: FloatArray
     tangential_force: FloatArray
     moment: FloatArray
+    bonded: BoolArray
+
+
+@dataclass(frozen=True)
+class Breakage:
+    """The interfaces of a scene with bonds: which stand, when the others broke.
+
+    Attributes:
+        bodies: Owner and partner of each, shape [interface_count, 2].
+        bond_count: Bonds of each while it stands, shape [interface_count].
+        intact: Whether it stands, shape [interface_count].
+        step, time: When it broke [1, s]; 0, NaN while it stands; shape [interface_count].
+        mode: What broke it: 1 tension, 2 shear, 3 bending, 4 energy; shape [interface_count].
+        released: Elastic energy that became neither motion nor a contact's [J], shape
+            [interface_count].
+        fragment: Lowest number of the free bodies that each body hangs together with, shape
+            [body_count].
+    """
+
+    bodies: IntArray
+    bond_count: IntArray
+    intact: BoolArray
+    step: IntArray
+    time: FloatArray
+    mode: IntArray
+    released: FloatArray
+    fragment: IntArray
 
 
 @dataclass(frozen=True)
@@ -47,8 +76,10 @@ class Energy:
     """Energies of the free bodies and what entered or left since the start [J].
 
     ``external`` is the work of forces on single bodies but gravity: drag, fluid, numerical damping,
-    barriers. ``balance`` is kinetic + potential + elastic + dissipated - work of drivers -
-    external, less its value at the start: zero but for the error of the time step.
+    barriers; ``bond`` is elastic energy in bonds, ``broken`` what went with those that broke;
+    ``dashpot`` holds the dashpots of bonds too. ``balance`` is kinetic + potential + elastic +
+    bond + dissipated + broken - work of drivers - external, less its value at the start: zero but
+    for the error of the time step.
     """
 
     kinetic: float
@@ -62,6 +93,8 @@ class Energy:
     balance: float
     contact_count: int
     largest_overlap: float
+    bond: float = 0.0
+    broken: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -124,8 +157,8 @@ class Snapshot:
         energy: The energy account, when the scene keeps one; its kinetic energy is that of the
             motion against the homogeneous flow of a periodic cell.
         cell: The periodic cell, when there is one; positions are not wrapped into it.
-        energy: The energy account, when the scene keeps one.
         work: What each body's driver has done [J], shape [body_count], when something is driven.
+        breakage: The state of the bonds, when the scene has any.
     """
 
     time: float
@@ -140,3 +173,4 @@ class Snapshot:
     energy: Energy | None = None
     cell: CellState | None = None
     work: FloatArray | None = None
+    breakage: Breakage | None = None

@@ -6,6 +6,7 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from warpdem.kernels.bonds import BondLaws, bond_forces
 from warpdem.kernels.cell import drift_cell, kick_cell, sum_stress
 from warpdem.kernels.driving import measure_areas
 from warpdem.kernels.external import Forces
@@ -24,6 +25,7 @@ from warpdem.kernels.rotation import (
     taylor_drift,
     taylor_torque,
 )
+from warpdem.kernels.views import Bonds, Incidence
 from warpdem.materials import load_custom_law
 
 if TYPE_CHECKING:
@@ -48,7 +50,7 @@ class Stage:
 
     name: str
     kernel: wp.Kernel
-    over: Literal["bodies", "pairs", "gauges", "chunks", "one"]
+    over: Literal["bodies", "pairs", "interfaces", "gauges", "chunks", "one"]
     arguments: tuple[Any, ...]
 
 
@@ -102,6 +104,32 @@ def forces(model: Model, state: State, lists: Lists, share: Share, dt: float) ->
     return Stage("pair forces", pair_forces(laws(model.features)), "pairs", arguments)
 
 
+def bonds(model: Model, state: State, share: Share, dt: float) -> tuple[Stage, ...]:
+    """Wrench of each interface, where there are bonds."""
+    if not state.bonding:
+        return ()
+    has = model.features
+    laws = BondLaws(
+        polyhedra=has.polyhedra,
+        convex=has.convex,
+        two_sided=has.two_sided,
+        predicted=has.predicted,
+        objective=has.objective,
+        damping=has.bond_damping,
+        moments=has.bond_moments,
+        creep=has.bond_creep,
+    )
+    arguments = (
+        model.geometry,
+        dt,
+        share.interfaces,
+        state.bodies,
+        share.clock,
+        state.bonding.bonds,
+    )
+    return (Stage("bond forces", bond_forces(laws), "interfaces", arguments),)
+
+
 def kick(
     model: Model, state: State, lists: Lists, share: Share, dt: float, *, contacts: bool
 ) -> Stage:
@@ -112,10 +140,14 @@ def kick(
         torque,
         forces_on_bodies(has),
         contacts=contacts,
+        bonds=has.bonds,
         controlled=has.controlled,
         work=has.work,
         deforming=has.deforming,
     )
+    glue, joined = Bonds(), Incidence()
+    if state.bonding:
+        glue, joined = state.bonding.bonds, state.bonding.joined
     arguments = (
         model.inertia,
         vec3(*model.gravity),
@@ -124,6 +156,8 @@ def kick(
         share.bodies,
         lists.pairs,
         lists.incidence,
+        glue,
+        joined,
         share.clock,
         state.cell,
         state.drives,
@@ -215,7 +249,9 @@ def after_drift(
     waits = (meet(share),) if share.members > 1 and (contacts or has.driven) else ()
     if not contacts:
         return (*measured, *waits, *deformed, kicked)
-    return (*measured, forces(model, state, lists, share, dt), *waits, *deformed, kicked)
+    glued = bonds(model, state, share, dt)
+    acting = (forces(model, state, lists, share, dt), *glued)
+    return (*measured, *acting, *waits, *deformed, kicked)
 
 
 def cycle(model: Model, state: State, lists: Lists, share: Share, dt: float) -> tuple[Stage, ...]:

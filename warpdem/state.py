@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import warp as wp
@@ -12,6 +12,9 @@ from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.meeting import LINE
 from warpdem.kernels.precision import mat33, quat, real, vec3, vec4
 from warpdem.kernels.views import Account, Bodies, Cell, Clock, Drives
+
+if TYPE_CHECKING:
+    from warpdem.bonding import Bonding
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,7 @@ class State:
         account: Energy bookkeeping; ``pair`` is owned by the lists.
         cell: The periodic cell; without arrays where the scene has none.
         drives: Imposed motion, a block of steps at a time (see warpdem.drives).
+        bonding: The bonds, where there are any.
     """
 
     bodies: Bodies
@@ -32,6 +36,7 @@ class State:
     account: Account
     cell: Cell
     drives: Drives
+    bonding: Bonding | None = None
 
 
 def allocate(device: Any, body_count: int, arm_count: int, cell: Cell, *, work: bool) -> State:
@@ -68,7 +73,7 @@ class Share:
 
     Attributes:
         member, members: Which thread of how many.
-        bodies, pairs, chunks: First and last + 1, shape [2] each.
+        bodies, pairs, interfaces, chunks: First and last + 1, shape [2] each.
         clock: Shared flags, own counters.
         arrived: Counters of the meetings of all threads, shape [members * LINE].
     """
@@ -77,6 +82,7 @@ class Share:
     members: int
     bodies: wp.array
     pairs: wp.array
+    interfaces: wp.array
     chunks: wp.array
     clock: Clock
     arrived: wp.array
@@ -85,6 +91,8 @@ class Share:
 def cut(state: State, body_count: int, members: int, device: Any) -> list[Share]:
     """Shares of ``members`` host threads; the first one has the state's own clock."""
     cuts = np.linspace(0, body_count, members + 1).astype(np.int32)
+    glued = len(state.bonding) if state.bonding else 0
+    places = np.linspace(0, glued, members + 1).astype(np.int32)
     parts = np.linspace(0, CHUNKS, members + 1).astype(np.int32)
     arrived = wp.zeros(members * LINE, dtype=wp.int32, device=device)
     shares = []
@@ -98,6 +106,8 @@ def cut(state: State, body_count: int, members: int, device: Any) -> list[Share]
             clock.steps = wp.zeros(1, dtype=wp.int32, device=device)
         bodies = wp.array(cuts[member : member + 2], dtype=wp.int32, device=device)
         pairs = wp.zeros(2, dtype=wp.int32, device=device)
+        interfaces = wp.array(places[member : member + 2], dtype=wp.int32, device=device)
         chunks = wp.array(parts[member : member + 2], dtype=wp.int32, device=device)
-        shares.append(Share(member, members, bodies, pairs, chunks, clock, arrived))
+        parts_of = (bodies, pairs, interfaces, chunks)
+        shares.append(Share(member, members, *parts_of, clock, arrived))
     return shares

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def step_bound(model: Model, state: State, lists: Lists) -> float:
     """Largest stable step for the contacts that touch now [s]; infinite without any."""
-    if not lists.pair_count:
+    if not (lists.pair_count or state.bonding):
         return float("inf")
     has, device = model.features, model.device
     square = wp.zeros(model.body_count, dtype=real, device=device)
@@ -38,5 +38,7 @@ def step_bound(model: Model, state: State, lists: Lists) -> float:
             outputs=[square],
             device=device,
         )
+    if state.bonding:
+        state.bonding.add_bound(model, state, square)
     highest = float(square.numpy().max())
     return 2.0 / highest**0.5 if highest > 0 else float("inf")

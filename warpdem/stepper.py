@@ -36,6 +36,7 @@ class Stepper:
     ) -> None:
         self._model = model
         self._lists = lists
+        self._interface_count = len(state.bonding) if state.bonding else 0
         self._shares = shares
         self._stages = [cycle(model, state, lists, share, dt) for share in shares]
         self._graphs: dict[int, list[Any]] = {}
@@ -96,7 +97,8 @@ class Stepper:
     def _launch(self, stage: Stage, over: str) -> None:
         model = self._model
         room = {"bodies": model.body_count, "pairs": self._lists.pair_room}
-        room |= {"gauges": len(model.gauges), "chunks": CHUNKS, "one": 1}
+        room |= {"interfaces": self._interface_count, "gauges": len(model.gauges)}
+        room |= {"chunks": CHUNKS, "one": 1}
         launch(stage, room[over], model.device)
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpdem.bonds.creation import bonds_of
 from warpdem.checks import doubts
 from warpdem.checks.cell import spanning_axes
 from warpdem.checks.custom_laws import check_custom_laws
@@ -115,7 +116,8 @@ def _step(
     scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
 ) -> tuple[TimeStep | None, list[Problem]]:
     try:
-        return automatic_step(scene, placement, polyhedra), []
+        bonds = bonds_of(scene, placement, polyhedra)
+        return automatic_step(scene, placement, polyhedra, bonds), []
     except SceneError as error:
         return None, error.problems
 

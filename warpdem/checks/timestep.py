@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpdem.bonds.stiffness import stiffest
 from warpdem.checks.restitution import damping_ratio
 from warpdem.driving.plan import plan_of
 from warpdem.driving.rates import period_limit
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from warpdem.arrays import FloatArray, IntArray
+    from warpdem.bonds.creation import Interfaces
     from warpdem.driving.plan import Plan
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
@@ -116,16 +118,19 @@ def block_bound(
 
 
 def automatic_step(
-    scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
+    scene: Scene,
+    placement: Placement,
+    polyhedra: Mapping[str, Polyhedron],
+    interfaces: Interfaces | None = None,
 ) -> TimeStep:
     """The time step of a placed scene.
 
     Before the first step nothing touches, so contacts are assumed (see `loaded_points`). With
     ``dt = "auto"`` the step is the least of a twentieth of the shortest contact, half of the
-    stability bound, a tenth of a radian at the fastest initial spin (but for balls) and a quarter
-    of a bounding radius at the initial velocity, or where nothing can touch at the velocity of a
-    fall for the whole run, and what resolves the motion of the drivers (a hundredth of a period);
-    then it is reduced to divide the time between frames.
+    stability bound (contacts and bonds together), a tenth of a radian at the fastest initial spin
+    (but for balls) and a quarter of a bounding radius at the initial velocity, or where nothing can
+    touch at the velocity of a fall for the whole run, and what resolves the motion of the drivers
+    (a hundredth of a period); then it is reduced to divide the time between frames.
 
     Raises:
         SceneError: The given step is unstable for a single contact, or bodies have masses beyond
@@ -136,6 +141,10 @@ def automatic_step(
     stiff = [kn / mass for kn, mass in _pairs(scene, placement, polyhedra, plan)]
     shortest = contact_time(max(stiff), 1.0) if stiff else inf
     bound = _bound(scene, placement, polyhedra)
+    if interfaces is not None:
+        square, frequency = stiffest(interfaces, placement, *masses(placement, polyhedra))
+        bound = 1.0 / sqrt(1.0 / bound**2 + 0.25 * square)
+        shortest = min(shortest, pi / frequency)
     if scene.run.dt == "auto":
         fall = 0.0 if stiff else float(np.linalg.norm(scene.gravity.vector)) * scene.run.duration
         limits = [shortest / STEPS_IN_CONTACT, SHARE_OF_BOUND * bound, scene.frame_interval]

@@ -186,7 +186,7 @@ def _generated(scene: Scene, index: int, made: Filled, groups: tuple[str, ...]) 
         velocity=np.tile(np.array(fill.velocity, float), (count, 1)),
         spin=np.tile(np.array(fill.spin, float), (count, 1)),
         group=np.full(count, groups.index(fill.group)),
-        cluster=np.zeros(count, np.int64),
+        cluster=np.full(count, fill.cluster, np.int64),
         density=np.full(count, _density(scene, fill)),
         fixed=np.zeros(count, bool),
         names=tuple(f"{fill.name}[{k}]" for k in range(count)),

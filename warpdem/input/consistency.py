@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from warpdem.input.bond_rules import RULES as BOND_RULES
 from warpdem.input.consistency_cell import CELL_RULES
 from warpdem.input.contact_rules import attraction, dashpot, laws_of_their_own, programs
 from warpdem.input.driver_rules import DRIVER_RULES
@@ -170,6 +171,7 @@ RULES = (
     sizes,
     *CELL_RULES,
     *DRIVER_RULES,
+    *BOND_RULES,
 )
 
 

@@ -8,6 +8,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from warpdem.input.consistency import consistency
+from warpdem.input.scene_bond import Bond
 from warpdem.input.scene_cell import Cell
 from warpdem.input.scene_contact import Contact
 from warpdem.input.scene_driver import Driver
@@ -98,6 +99,11 @@ class Output(Section):
 
     drivers: bool = True
     """Write motion, contact force and work of the bodies that [[driver]]s move (drivers.csv)."""
+    bonds: bool = True
+    """Write every breakage (bonds.csv), when there are bonds."""
+
+    fragments: bool = True
+    """Write number and size of the fragments (fragments.csv), when there are bonds."""
 
     checkpoint_every: Positive | None = None
     """Simulated time between checkpoints [s]; default: at every frame."""
@@ -107,11 +113,22 @@ class Output(Section):
 
     fields: Annotated[
         tuple[
-            Literal["body", "group", "cluster", "speed", "velocity", "spin", "force", "mass"], ...
+            Literal[
+                "body",
+                "group",
+                "cluster",
+                "fragment",
+                "speed",
+                "velocity",
+                "spin",
+                "force",
+                "mass",
+            ],
+            ...,
         ],
         Field(strict=False),
-    ] = ("body", "group", "cluster", "speed", "velocity", "spin", "force", "mass")
-    """What is written with the surfaces."""
+    ] = ("body", "group", "cluster", "fragment", "speed", "velocity", "spin", "force", "mass")
+    """What is written with the surfaces; fragment when there are bonds."""
 
 
 class Scene(Section):
@@ -148,6 +165,8 @@ class Scene(Section):
     """[[force]]: drag, a flowing fluid, numerical damping, barriers."""
     driver: Annotated[tuple[Driver, ...], Field(strict=False)] = ()
     """[[driver]]: what moves fixed bodies."""
+    bond: Annotated[tuple[Bond, ...], Field(strict=False)] = ()
+    """[[bond]]: breakable bonds between bodies."""
 
     output: Output = Output()
     """[output]: what is written."""

@@ -99,6 +99,9 @@ class Fill(Section):
     group: Name = "default"
     """Group of the bodies."""
 
+    cluster: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0
+    """Number of the cluster the bodies are part of."""
+
     density: Positive | None = None
     """Mass per volume [kg/m^3]; default: that of the group."""
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def unique_names(scene: Any) -> Iterator[Fault]:
     """One thing of a kind bears a name."""
-    for kind in ("shape", "group", "body", "fill"):
+    for kind in ("shape", "group", "body", "fill", "bond"):
         first: dict[str, int] = {}
         for index, entry in tables(scene, kind):
             name = text(entry, "name")

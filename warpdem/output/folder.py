@@ -21,7 +21,8 @@ except ImportError:  # not a POSIX system: two runs in one folder go unnoticed
     fcntl = None
 
 OWN = re.compile(
-    r"((bodies|contacts)(_\d{6,}\.vtu|\.pvd)|(trajectory|energy|drivers)\.csv|summary\.json|checkpoint\.npz)"
+    r"((bodies|contacts|cell)(_\d{6,}\.vtu|\.pvd)"
+    r"|(trajectory|energy|drivers|cell|bonds|fragments)\.csv|summary\.json|checkpoint\.npz)"
     rf"({re.escape(PART)})?"
 )
 """Names of the files a run writes."""

@@ -7,9 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpdem.checks.timestep import masses
+from warpdem.driving.plan import listed_bodies
 from warpdem.errors import OutputError
 from warpdem.output import cell_box, contact_points
 from warpdem.output import checkpoint as checkpoints
+from warpdem.output.breakage import (
+    BONDS_COLUMNS,
+    FRAGMENTS_COLUMNS,
+    broken_rows,
+    fragments_row,
+)
 from warpdem.output.cell_table import CELL_COLUMNS, cell_row
 from warpdem.output.series import Series
 from warpdem.output.surfaces import Surfaces
@@ -32,7 +40,7 @@ if TYPE_CHECKING:
     from warpdem.arrays import FloatArray
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
-    from warpdem.input.scene import Output
+    from warpdem.input.scene import Scene
     from warpdem.output.checkpoint import Checkpoint
     from warpdem.output.folder import RunFolder
     from warpdem.output.writer import Writer
@@ -42,11 +50,15 @@ TRAJECTORY = "trajectory.csv"
 ENERGY = "energy.csv"
 CELL = "cell.csv"
 DRIVERS = "drivers.csv"
+BONDS = "bonds.csv"
+FRAGMENTS = "fragments.csv"
 COLUMNS = {
     TRAJECTORY: TRAJECTORY_COLUMNS,
     ENERGY: ENERGY_COLUMNS,
     CELL: CELL_COLUMNS,
     DRIVERS: DRIVERS_COLUMNS,
+    BONDS: BONDS_COLUMNS,
+    FRAGMENTS: FRAGMENTS_COLUMNS,
 }
 
 
@@ -55,13 +67,11 @@ class Recorder:
 
     Args:
         folder: Where to.
-        output: What the scene wants written.
+        scene: What is simulated, and what of it is written.
         polyhedra: The shapes.
         placement: The bodies.
         writer: The thread that does it, in the order of the calls.
         start: The checkpoint the run resumes from: the files are cut back to it.
-        cell: There is a periodic cell.
-        driven: Numbers of the bodies that drivers move; with any, a table of them is written.
 
     Raises:
         OutputError: A file cannot be opened, or is not the one the checkpoint belongs to.
@@ -70,24 +80,27 @@ class Recorder:
     def __init__(
         self,
         folder: RunFolder,
-        output: Output,
+        scene: Scene,
         polyhedra: Mapping[str, Polyhedron],
         placement: Placement,
         writer: Writer,
         start: Checkpoint | None = None,
-        *,
-        cell: bool = False,
-        driven: Sequence[int] = (),
     ) -> None:
+        output = scene.output
+        driven = listed_bodies(scene, placement).tolist()
         self._folder = folder
         self._output = output
         self._writer = writer
-        self._cell = cell
+        self._cell = scene.cell is not None
         self._times = dict(start.frame_times) if start else {}
         self._lengths = dict(start.table_lengths) if start else {}
         self._surfaces = Surfaces(polyhedra, placement) if output.surface else None
         self._trajectory = _trajectory(polyhedra, placement, driven)
         self._driven = _driven(polyhedra, placement, driven) if len(driven) else None
+        self._bonded = bool(scene.bond)
+        if self._bonded:
+            self._names = placement.names
+            self._mass = np.where(placement.fixed, 0.0, masses(placement, polyhedra)[0])
         try:
             self._series = {stem: self._open_series(stem) for stem in self._stems()}
             self._tables = {name: self._open_table(name) for name in self._table_names()}
@@ -127,8 +140,14 @@ class Recorder:
         return [stem for stem, is_wanted in wanted.items() if is_wanted]
 
     def _table_names(self) -> list[str]:
-        wanted = {TRAJECTORY: self._output.table, ENERGY: self._output.energy, CELL: self._cell}
-        wanted[DRIVERS] = self._output.drivers and self._driven is not None
+        wanted = {
+            TRAJECTORY: self._output.table,
+            ENERGY: self._output.energy,
+            CELL: self._cell,
+            DRIVERS: self._output.drivers and self._driven is not None,
+            BONDS: self._output.bonds and self._bonded,
+            FRAGMENTS: self._output.fragments and self._bonded,
+        }
         return [name for name, is_wanted in wanted.items() if is_wanted]
 
     def _open_series(self, stem: str) -> Series:
@@ -155,6 +174,11 @@ class Recorder:
             self._tables[CELL].append(cell_row(snapshot.time, snapshot.cell))
         if self._output.drivers and self._driven:
             self._tables[DRIVERS].append(self._driven.rows(snapshot))
+        if BONDS in self._tables and snapshot.breakage:
+            table = self._tables[BONDS]
+            table.append("".join(broken_rows(snapshot.breakage, self._names, table.rows)))
+        if FRAGMENTS in self._tables:
+            self._tables[FRAGMENTS].append(fragments_row(snapshot, self._mass))
 
     def _frame(self, stem: str, snapshot: Snapshot, grid: vtkUnstructuredGrid) -> None:
         from warpdem.output import vtu  # noqa: PLC0415 - loads VTK

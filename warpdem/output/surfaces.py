@@ -98,7 +98,10 @@ class Surfaces:
             "spin": snapshot.spin,
             "force": snapshot.force,
         }
-        return {name: np.take(_single(values[name]), self.body, axis=0) for name in names}
+        if snapshot.breakage:
+            values["fragment"] = snapshot.breakage.fragment.astype(np.int32)
+        known = [name for name in names if name in values]
+        return {name: np.take(_single(values[name]), self.body, axis=0) for name in known}
 
     def grid(self, snapshot: Snapshot, names: Sequence[str]) -> vtkUnstructuredGrid:
         """All surfaces at one instant, with the named fields as cell data."""

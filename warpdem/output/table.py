@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 TRAJECTORY_COLUMNS = "t,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz"
 ENERGY_COLUMNS = (
     "t,kinetic,potential,elastic,dashpot,friction,rolling,work,external,balance,contacts,"
-    "largest_overlap"
+    "largest_overlap,bond,broken"
 )
 DRIVERS_COLUMNS = "t,name,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz,fx,fy,fz,mx,my,mz,work"
 
@@ -33,6 +33,7 @@ class Table:
     Attributes:
         path: The file.
         length: Bytes of it that were written whole.
+        rows: Lines below the head.
     """
 
     def __init__(self, path: Path, columns: str, length: int | None = None) -> None:
@@ -46,6 +47,7 @@ class Table:
         if length is not None and (not path.exists() or path.stat().st_size < length):
             raise OutputError(f"{path}: shorter than at the checkpoint; it cannot be continued")
         self._file = path.open("wb" if length is None else "r+b", buffering=0)
+        self.rows = self._file.read(length).count(b"\n") - 1 if length is not None else -1
         self.length = length or 0
         self._file.truncate(self.length)
         self._file.seek(self.length)
@@ -68,6 +70,7 @@ class Table:
             self._file.seek(self.length)
             raise OSError(fault.errno, fault.strerror, str(self.path)) from fault
         self.length += written
+        self.rows += rows.count("\n")
 
     def sync(self) -> None:
         """Have the disk hold what was appended."""
@@ -172,4 +175,5 @@ def energy_row(time: float, energy: Energy) -> str:
         energy.balance,
     )
     reals = ",".join(_REAL % value for value in (time, *joules))
-    return f"{reals},{energy.contact_count:d},{_REAL % energy.largest_overlap}\n"
+    rest = ",".join(_REAL % v for v in (energy.largest_overlap, energy.bond, energy.broken))
+    return f"{reals},{energy.contact_count:d},{rest}\n"

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from warpdem import __version__
-from warpdem.driving.plan import listed_bodies
 from warpdem.errors import OutputError, UnstableError
 from warpdem.output import checkpoint as checkpoints
 from warpdem.output import summary
@@ -87,13 +86,11 @@ class Session:
         simulation = self.simulation
         recorder = Recorder(
             self.folder,
-            self.scene.output,
+            self.scene,
             simulation.polyhedra,
             simulation.placement,
             writer,
             self.start,
-            cell=self.scene.cell is not None,
-            driven=listed_bodies(self.scene, simulation.placement).tolist(),
         )
         try:
             with writer:

@@ -1,0 +1,62 @@
+"""What the bonds add to the stiffness that bounds the time step."""
+
+import warp as wp
+from warpdem.kernels.measures import direction
+from warpdem.kernels.precision import mat66, real, vec3
+from warpdem.kernels.variant import plain
+from warpdem.kernels.views import Bodies, Bonds, Incidence, Inertia
+
+
+@plain
+def bond_bound(
+    # model
+    inertia: Inertia,
+    joined: Incidence,
+    # in
+    bodies: Bodies,
+    bonds: Bonds,
+    # in and out
+    square: wp.array(dtype=real),
+):
+    """Add the bound of the bonds to that of the contacts of each body, see frequency_bound [1/s^2].
+
+    The largest eigenvalue of a sum is no larger than the sum of the largest ones.
+    """
+    body = wp.tid()
+    inverse_mass = inertia.inverse_mass[body]
+    if inverse_mass == real(0.0):
+        return
+    inverse_moment = inertia.inverse_moment[body]
+    inverse = wp.transpose(bodies.rotation[body])
+    b = mat66()
+    for m in range(joined.start[body], joined.start[body + 1]):
+        code = joined.pair[m]
+        k = code >> 1
+        if bonds.state[k] != 0:
+            law = bonds.law[k]
+            i = bonds.owner[k]
+            j = bonds.partner[k]
+            shift = vec3()
+            if (code & 1) == 0:
+                shift = bodies.position[j] - bodies.position[i]
+            phi = real(1.0)
+            if inertia.inverse_mass[i] > real(0.0) and inertia.inverse_mass[j] > real(0.0):
+                phi = real(2.0)
+            for bond in range(bonds.start[k], bonds.start[k + 1]):
+                arm = inverse * (bonds.point[bond] + shift)
+                n = inverse * bonds.normal[bond]
+                for axis in range(3):
+                    e = vec3()
+                    e[axis] = real(1.0)
+                    row = direction(e, arm, inverse_mass, inverse_moment)
+                    b += wp.outer(row, row) * (phi * law.kt)
+                    b[3 + axis, 3 + axis] += phi * law.kr * inverse_moment[axis]
+                row = direction(n, arm, inverse_mass, inverse_moment)
+                b += wp.outer(row, row) * (phi * wp.max(law.kn - law.kt, real(0.0)))
+    size = wp.trace(b)
+    if size > real(0.0):
+        b = b / size
+        b = b * b
+        b = b * b
+        b = b * b
+        square[body] = square[body] + size * wp.pow(wp.trace(b), real(0.125))
