@@ -11,6 +11,7 @@ from warpdem.kernels.cell import real_vector
 from warpdem.kernels.contact import apply_laws
 from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
+from warpdem.kernels.normal import implicit_share
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import total_of
 from warpdem.kernels.touching import find_touching, frequency
@@ -70,8 +71,9 @@ def dashpot(laws: Laws) -> wp.Function:
         if wp.static(laws.damped):
             inverse_mass = inertia.inverse_mass[i] + inertia.inverse_mass[j]
             square = inverse_mass
+            fastest = inverse_mass
             if wp.static(laws.pair_damping or laws.predicted):
-                square = frequency_of(
+                square, fastest = frequency_of(
                     inertia, bodies, candidates, i, j, d, start, touching, total, law.exponent
                 )
             omega = wp.sqrt(law.kn * square)
@@ -80,6 +82,8 @@ def dashpot(laws: Laws) -> wp.Function:
             if wp.static(not laws.pair_damping):
                 tau = real(2.0) * law.zeta / wp.sqrt(law.kn * inverse_mass)
                 beta = real(0.5) * dt * tau * omega * omega
+            if wp.static(laws.predicted):
+                beta = wp.max(beta, implicit_share(dt * tau * law.kn * fastest))
         return total, tau, beta
 
     return dashpot

@@ -11,7 +11,7 @@ sys.path.append(str(ROOT / "tools" / "bench"))
 
 from analytic import FAMILIES, rows_of  # noqa: E402 - a program, found through the path above
 
-pytestmark = pytest.mark.slow  # about two minutes in all
+pytestmark = pytest.mark.slow  # about three minutes in all
 
 
 @pytest.mark.parametrize("family", FAMILIES)

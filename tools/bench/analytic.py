@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "physics"), str(Path(__file__).parent)]
 
-import analytic_bodies  # noqa: E402 - found through the path above
+import analytic_arches  # noqa: E402 - found through the path above
+import analytic_bodies  # noqa: E402 - the same
 import analytic_bonds  # noqa: E402 - the same
 import analytic_impacts  # noqa: E402 - the same
 import analytic_tops  # noqa: E402 - the same
@@ -32,6 +33,7 @@ FAMILIES = {
     **analytic_bodies.FAMILIES,
     **analytic_tops.FAMILIES,
     **analytic_bonds.FAMILIES,
+    **analytic_arches.FAMILIES,
 }
 
 
