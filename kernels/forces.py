@@ -7,11 +7,11 @@ follows from all of them. Pass 2 applies the laws, contact by contact, and write
 import functools
 
 import warp as wp
+from warpdem.kernels.braking import SIDES, fastest_mode, implicit_share
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.contact import apply_laws
 from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
-from warpdem.kernels.normal import implicit_share
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import total_of
 from warpdem.kernels.touching import find_touching, frequency
@@ -47,6 +47,7 @@ def dashpot(laws: Laws) -> wp.Function:
     The measure of their shares, the time tau of their dashpot [s], its implicit share beta.
     """
     frequency_of = frequency(laws)
+    fastest_of = fastest_mode(laws.partnership)
     shares = laws.partnership != "sum"
     total_shares = total_of(laws.partnership) if shares else None
 
@@ -71,9 +72,8 @@ def dashpot(laws: Laws) -> wp.Function:
         if wp.static(laws.damped):
             inverse_mass = inertia.inverse_mass[i] + inertia.inverse_mass[j]
             square = inverse_mass
-            fastest = inverse_mass
             if wp.static(laws.pair_damping or laws.predicted):
-                square, fastest = frequency_of(
+                square = frequency_of(
                     inertia, bodies, candidates, i, j, d, start, touching, total, law.exponent
                 )
             omega = wp.sqrt(law.kn * square)
@@ -83,7 +83,16 @@ def dashpot(laws: Laws) -> wp.Function:
                 tau = real(2.0) * law.zeta / wp.sqrt(law.kn * inverse_mass)
                 beta = real(0.5) * dt * tau * omega * omega
             if wp.static(laws.predicted):
-                beta = wp.max(beta, implicit_share(dt * tau * law.kn * fastest))
+                if touching > 1:
+                    # fmt: off
+                    fastest = fastest_of(
+                        inertia, bodies, candidates, i, d, start, touching, total, law.exponent
+                    ) + fastest_of(
+                        inertia, bodies, candidates, j, vec3(), start, touching, total,
+                        law.exponent,
+                    )
+                    # fmt: on
+                    beta = wp.max(beta, implicit_share(SIDES * dt * tau * law.kn * fastest))
         return total, tau, beta
 
     return dashpot

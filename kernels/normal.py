@@ -54,13 +54,3 @@ def pair_frequency(
     moving = wp.dot(force, force) * inverse_mass
     moving += wp.dot(torque_i, spin_i) + wp.dot(torque_j, spin_j)
     return wp.max(moving, single * inverse_mass) / squares
-
-
-@wp.func
-def implicit_share(decay: real) -> real:
-    """Least beta for which dashpots are stable, ``decay`` = dt c/m of the fastest mode of a pair.
-
-    Two pairs may brake one body: 2 decay < 1 + 2 beta, with room for the springs. Smaller than the
-    share of the mode being hit, and without effect, unless modes differ much or zeta dt is large.
-    """
-    return decay - real(0.125)

@@ -8,7 +8,7 @@ from warpdem.kernels.laws import Laws
 from warpdem.kernels.matching import hand_over
 from warpdem.kernels.narrow import feature_pair
 from warpdem.kernels.normal import pair_frequency
-from warpdem.kernels.precision import mat33, real, vec3, vec4
+from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Material
@@ -92,19 +92,9 @@ def find_touching(laws: Laws) -> wp.Function:
     return find_touching
 
 
-@wp.func
-def turned_trace(rotation: mat33, inverse_moment: vec3, spread: mat33) -> real:
-    """Trace of the world's I^-1 times a symmetric matrix."""
-    own = wp.transpose(rotation) * spread * rotation
-    return wp.dot(wp.get_diag(own), inverse_moment)
-
-
 @functools.cache
 def frequency(laws: Laws) -> wp.Function:
-    """Function of the square of a pair's own frequency over its stiffness, and of its fastest mode.
-
-    The latter is a bound, the trace: the sum over all modes [1/kg].
-    """
+    """Function of the square of a pair's own frequency over its stiffness."""
     plain = laws.partnership == "sum"
     share_of = SHARES.get(laws.partnership)
 
@@ -120,10 +110,7 @@ def frequency(laws: Laws) -> wp.Function:
         touching: int,
         total: real,
         exponent: real,
-    ):
-        spread_i = mat33()
-        spread_j = mat33()
-        weight = real(0.0)
+    ) -> real:
         force = vec3()
         torque_i = vec3()
         torque_j = vec3()
@@ -137,31 +124,21 @@ def frequency(laws: Laws) -> wp.Function:
             if wp.static(not plain):
                 if overlap > real(0.0):
                     pushed = share_of(overlap, total, exponent) * overlap
-            normal = candidates.normal[slot]
+            f = candidates.normal[slot] * pushed
             point = candidates.point[slot]
-            arm_i = wp.cross(point - d, normal)
-            arm_j = wp.cross(point, normal)
-            force += normal * pushed
-            torque_i += arm_i * pushed
-            torque_j += arm_j * pushed
+            force += f
+            torque_i += wp.cross(point - d, f)
+            torque_j += wp.cross(point, f)
             squares += pushed * overlap
             single += pushed * pushed
-            if overlap > real(0.0):
-                share = pushed / overlap
-                weight += share
-                spread_i += wp.outer(arm_i, arm_i) * share
-                spread_j += wp.outer(arm_j, arm_j) * share
         inverse_mass = inertia.inverse_mass[i] + inertia.inverse_mass[j]
         square = inverse_mass
-        fastest = inverse_mass * weight
-        fastest += turned_trace(bodies.rotation[i], inertia.inverse_moment[i], spread_i)
-        fastest += turned_trace(bodies.rotation[j], inertia.inverse_moment[j], spread_j)
         if squares > real(0.0):
             spin_i = world_inverse(bodies.rotation[i], inertia.inverse_moment[i], torque_i)
             spin_j = world_inverse(bodies.rotation[j], inertia.inverse_moment[j], torque_j)
             square = pair_frequency(
                 force, torque_i, torque_j, spin_i, spin_j, squares, single, inverse_mass
             )
-        return square, fastest
+        return square
 
     return frequency

@@ -1,0 +1,55 @@
+"""Dashpots of several sub-contacts: stable at the automatic step, whatever the restitution."""
+
+import numpy as np
+import pytest
+from test_laws import of
+from warpdem.kernels.braking import implicit_share, largest_eigenvalue
+from warpdem.kernels.precision import mat66
+
+from scenes import body, box, laboratory, law
+
+THICK = 0.08
+
+
+def column(e, count=4):
+    """Thin slabs of two sizes on each other, 1 kg in all, the top one spinning a little."""
+    kn = 0.25 * 9.81 / 1e-5
+    slabs = [
+        box(name, (w, w + 0.14, THICK), rounding=1e-3) for name, w in (("a", 0.11), ("b", 0.13))
+    ]
+    bodies = [
+        body("ab"[k % 2], [0.0, 0.0, THICK * (k + 0.5)], mass=1.0 / count) for k in range(count)
+    ]
+    bodies[-1]["spin"] = [0.01, 0.02, 0.0]
+    rules = law(kn, kt=0.8 * kn, mu=0.5, e=e)
+    return laboratory(slabs, bodies, rules, dt="auto", gravity=(0.0, 0.0, -9.81), skin=0.005)
+
+
+@pytest.mark.parametrize("e", [0.05, 0.135, 0.3, 0.7])
+def test_a_column_of_slabs_gains_no_energy_at_the_automatic_step(e):
+    simulation = column(e)
+    start = simulation.snapshot().energy
+    # what falling by its static sinking sets free
+    free = 1.0 * 9.81 * 4.0 * 1e-5
+    simulation.advance(0.05)
+    energy = simulation.snapshot().energy
+    assert energy.kinetic + energy.elastic < start.kinetic + start.elastic + free
+    assert abs(energy.balance) < free
+
+
+def test_implicit_share_keeps_the_fastest_decay_within_a_step():
+    for decay in (0.1, 1.0, 5.0):
+        beta = max(of(implicit_share, decay), 0.0)
+        assert decay < 1.0 + 2.0 * beta
+
+
+def test_largest_eigenvalue_is_bounded_from_above_and_closely():
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        rows = random.normal(size=(4, 6))
+        b = rows.T @ rows
+        exact = np.linalg.eigvalsh(b)[-1]
+        bound = of(largest_eigenvalue, mat66(*b.ravel()))
+        assert exact <= bound * (1.0 + 1e-12)
+        assert bound <= 6.0**0.125 * exact
+    assert of(largest_eigenvalue, mat66()) == 0.0
