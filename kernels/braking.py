@@ -7,8 +7,7 @@ are braked more. Where that exceeds what a step can follow the dashpots get a la
 import functools
 
 import warp as wp
-from warpdem.kernels.measures import direction
-from warpdem.kernels.precision import mat66, real, vec3
+from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Candidates, Inertia
@@ -28,7 +27,7 @@ def implicit_share(decay: real) -> real:
 
 
 @wp.func
-def largest_eigenvalue(b: mat66) -> real:
+def largest_eigenvalue(b: mat33) -> real:
     """Upper bound for a symmetric matrix without negative eigenvalues: trace(b^8)^(1/8)."""
     size = wp.trace(b)
     if size == real(0.0):
@@ -38,6 +37,13 @@ def largest_eigenvalue(b: mat66) -> real:
     b = b * b
     b = b * b
     return size * wp.pow(wp.trace(b), real(0.125))
+
+
+@wp.func
+def coupled(shift: real, turn: real, coupling: real) -> real:
+    """Norm of [[shift, coupling], [coupling, turn]]: bounds that of a matrix of such blocks."""
+    half = real(0.5) * (shift - turn)
+    return real(0.5) * (shift + turn) + wp.sqrt(half * half + coupling * coupling)
 
 
 @functools.cache
@@ -57,22 +63,32 @@ def fastest_mode(partnership: str) -> wp.Function:
         total: real,
         exponent: real,
     ) -> real:
-        """[1/kg]; ``shift`` leads from the partner's centre to the body's."""
-        inverse = wp.transpose(bodies.rotation[body])
+        """Bound from above [1/kg]; ``shift`` leads from the partner's centre to the body's."""
         inverse_mass = inertia.inverse_mass[body]
         if inverse_mass == real(0.0):
             return real(0.0)
-        b = mat66()
+        own = wp.transpose(bodies.rotation[body])
+        inverse_moment = inertia.inverse_moment[body]
+        scale = vec3(
+            wp.sqrt(inverse_moment[0]), wp.sqrt(inverse_moment[1]), wp.sqrt(inverse_moment[2])
+        )
+        along = mat33()
+        about = mat33()
+        both = mat33()
         for slot in range(start, start + touching):
             overlap = -candidates.gap[slot]
             if overlap > real(0.0):
-                arm = inverse * (candidates.point[slot] - shift)
-                n = inverse * candidates.normal[slot]
-                row = direction(n, arm, inverse_mass, inertia.inverse_moment[body])
+                n = candidates.normal[slot]
+                turn = wp.cw_mul(own * wp.cross(candidates.point[slot] - shift, n), scale)
                 share = real(1.0)
                 if wp.static(partnership != "sum"):
                     share = share_of(overlap, total, exponent)
-                b += wp.outer(row, row) * share
-        return largest_eigenvalue(b)
+                along += wp.outer(n, n) * share
+                about += wp.outer(turn, turn) * share
+                both += wp.outer(n, turn) * share
+        coupling = wp.sqrt(wp.ddot(both, both) * inverse_mass)
+        return coupled(
+            largest_eigenvalue(along) * inverse_mass, largest_eigenvalue(about), coupling
+        )
 
     return fastest_mode

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from test_laws import of
-from warpdem.kernels.braking import implicit_share, largest_eigenvalue
-from warpdem.kernels.precision import mat66
+from warpdem.kernels.braking import coupled, implicit_share, largest_eigenvalue
+from warpdem.kernels.precision import mat33
 
 from scenes import body, box, laboratory, law
 
@@ -46,10 +46,20 @@ def test_implicit_share_keeps_the_fastest_decay_within_a_step():
 def test_largest_eigenvalue_is_bounded_from_above_and_closely():
     random = np.random.default_rng(0)
     for _ in range(20):
-        rows = random.normal(size=(4, 6))
+        rows = random.normal(size=(4, 3))
         b = rows.T @ rows
         exact = np.linalg.eigvalsh(b)[-1]
-        bound = of(largest_eigenvalue, mat66(*b.ravel()))
+        bound = of(largest_eigenvalue, mat33(*b.ravel()))
         assert exact <= bound * (1.0 + 1e-12)
-        assert bound <= 6.0**0.125 * exact
-    assert of(largest_eigenvalue, mat66()) == 0.0
+        assert bound <= 3.0**0.125 * exact
+    assert of(largest_eigenvalue, mat33()) == 0.0
+
+
+def test_norm_of_blocks_bounds_that_of_the_whole_matrix():
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        rows = random.normal(size=(5, 6))
+        b = rows.T @ rows
+        shift, turn = np.linalg.norm(b[:3, :3], 2), np.linalg.norm(b[3:, 3:], 2)
+        bound = of(coupled, float(shift), float(turn), float(np.linalg.norm(b[:3, 3:])))
+        assert np.linalg.norm(b, 2) <= bound * (1.0 + 1e-12)
