@@ -12,8 +12,13 @@ from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Candidates, Inertia
 
-# pairs that may brake one body along one line, from both sides
-SIDES = wp.constant(real(2.0))
+
+@inlined()
+def sides(bodies: Bodies, i: int, j: int) -> real:
+    """Pairs that brake a body along one line: from both sides, once others act on it too."""
+    if bodies.braked[i] > 1 or bodies.braked[j] > 1:
+        return real(2.0)
+    return real(1.0)
 
 
 @wp.func

@@ -7,7 +7,7 @@ follows from all of them. Pass 2 applies the laws, contact by contact, and write
 import functools
 
 import warp as wp
-from warpdem.kernels.braking import SIDES, fastest_mode, implicit_share
+from warpdem.kernels.braking import fastest_mode, implicit_share, sides
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.contact import apply_laws
 from warpdem.kernels.kinematics import Flow
@@ -92,7 +92,9 @@ def dashpot(laws: Laws) -> wp.Function:
                         law.exponent,
                     )
                     # fmt: on
-                    beta = wp.max(beta, implicit_share(SIDES * dt * tau * law.kn * fastest))
+                    beta = wp.max(
+                        beta, implicit_share(sides(bodies, i, j) * dt * tau * law.kn * fastest)
+                    )
         return total, tau, beta
 
     return dashpot

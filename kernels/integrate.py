@@ -200,20 +200,22 @@ def halt(
 
 @inlined()
 def gather(pairs: Pairs, incidence: Incidence, body: int):
-    """Contact force and torque on a body, summed over its pairs in a fixed order."""
+    """Contact force and torque on a body, summed over its pairs in a fixed order; how many act."""
+    acting = int(0)
     force = vec3()
     torque = vec3()
     for k in range(incidence.start[body], incidence.start[body + 1]):
         code = incidence.pair[k]
         pair = code >> 1
         if pairs.touching[pair] > 0:
+            acting += 1
             if (code & 1) == 0:
                 force += pairs.force[pair]
                 torque += pairs.torque[pair]
             else:
                 force -= pairs.force[pair]
                 torque += pairs.torque_partner[pair]
-    return force, torque
+    return force, torque, acting
 
 
 @inlined()
@@ -248,6 +250,7 @@ def kick(
     forces: Forces,
     *,
     contacts: bool,
+    braking: bool,
     bonds: bool,
     controlled: bool,
     work: bool,
@@ -255,7 +258,8 @@ def kick(
 ) -> wp.Kernel:
     """Kernel of the gathering of forces and the second half kick.
 
-    ``controlled``: some driven bodies follow a force; ``work``: account of the work of all.
+    ``braking``: dashpots ask how many pairs act on a body; ``controlled``: some driven bodies
+    follow a force; ``work``: account of the work of all.
     """
     act = external_forces(forces)
 
@@ -292,7 +296,9 @@ def kick(
         force = vec3()
         torque = vec3()
         if wp.static(contacts):
-            force, torque = gather(pairs, incidence, body)
+            force, torque, acting = gather(pairs, incidence, body)
+            if wp.static(braking):
+                bodies.braked[body] = acting
         if wp.static(bonds):
             held, turning = gather_bonds(glue, joined, body)
             force += held

@@ -80,6 +80,7 @@ class Bodies:
     velocity_end: wp.array(dtype=vec3)  # predicted for the end of the step
     spin_end: wp.array(dtype=vec3)
     arm: wp.array(dtype=vec3)  # vertices about the centre of mass, world axes
+    braked: wp.array(dtype=wp.int32)  # number of pairs that acted in the last pass
     # where the lists were made
     listed_position: wp.array(dtype=vec3)
     listed_orientation: wp.array(dtype=quat)

@@ -78,7 +78,8 @@ def build(
         gauges=gauges(device, plan),
     )
     cell = cell_of(scene, placement, polyhedra, features, device)
-    state = allocate(device, len(mass), arms, cell, work=features.work or features.acted)
+    work = features.work or features.acted
+    state = allocate(device, len(mass), arms, cell, work=work, braking=features.braking)
     drives = allocate_drives(device, plan, features, state.clock)
     state = replace(state, drives=drives)
     _start(state, placement, mass, moment)

@@ -82,6 +82,11 @@ class Features:
     bond_creep: bool
 
     @property
+    def braking(self) -> bool:
+        """Dashpots ask how many pairs act on a body."""
+        return self.contacts and self.damped and self.predicted
+
+    @property
     def acted(self) -> bool:
         """Account is kept of forces on single bodies."""
         barriers = self.velocity_barrier or self.spin_barrier

@@ -31,6 +31,7 @@ BODIES = (
     "spin_end",
     "listed_position",
     "listed_orientation",
+    "braked",
 )
 # of the last force pass: of the pairs, and of the contacts that touched, packed
 PAIRS = ("touching", "force", "torque", "torque_partner")

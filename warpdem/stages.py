@@ -140,6 +140,7 @@ def kick(
         torque,
         forces_on_bodies(has),
         contacts=contacts,
+        braking=has.braking,
         bonds=has.bonds,
         controlled=has.controlled,
         work=has.work,

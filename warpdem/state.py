@@ -39,8 +39,12 @@ class State:
     bonding: Bonding | None = None
 
 
-def allocate(device: Any, body_count: int, arm_count: int, cell: Cell, *, work: bool) -> State:
-    """A state of zeros, its drives to be given; ``work``: that of drivers or forces is kept."""
+def allocate(
+    device: Any, body_count: int, arm_count: int, cell: Cell, *, work: bool, braking: bool
+) -> State:
+    """A state of zeros, its drives to be given; ``work``: that of drivers or forces is kept;
+    ``braking``: dashpots ask how many pairs act on a body.
+    """
 
     def zeros(dtype: Any, count: int = body_count) -> wp.array:
         return wp.zeros(count, dtype=dtype, device=device)
@@ -54,6 +58,7 @@ def allocate(device: Any, body_count: int, arm_count: int, cell: Cell, *, work: 
     bodies.listed_orientation = zeros(quat)
     bodies.rotation = zeros(mat33)
     bodies.arm = zeros(vec3, max(arm_count, 1))
+    bodies.braked = zeros(wp.int32, body_count if braking else 1)
     clock = Clock()
     for name in ("moved", "fault", "halted", "steps"):
         setattr(clock, name, zeros(wp.int32, 1))
