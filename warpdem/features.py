@@ -103,12 +103,9 @@ def features_of(
     table = scene.contact_table(placement.groups)
     laws = list(table.values())
     moving = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
-    driven = bool(moving.any()) or bool(scene.driver)
     how = scene.run.resolved()
     crowd = len(placement.shape) > 1 or scene.cell is not None
     contacts = bool(laws) and bool(free.any()) and crowd
-    deforming = scene.cell is not None and scene.cell.deforms
-    held = scene.cell is not None and bool(scene.cell.stress.components())
     return Features(
         contacts=contacts,
         polyhedra=any(len(shape.vertices) > 1 for shape in used),
@@ -119,22 +116,48 @@ def features_of(
         trees=any(has_tree(shape) for shape in used),
         large=bool((large_bodies(placement, shapes) & ~surface_bodies(placement, shapes)).any()),
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
-        driven=driven,
-        controlled=any(driver.kind in {"control", "pressure"} for driver in scene.driver),
-        stepwise=driven and scene.run.compat == "rockable",
-        work=driven and (scene.output.energy or (bool(scene.driver) and scene.output.drivers)),
-        periodic=scene.cell is not None,
-        deforming=deforming,
-        cell_sums=deforming and (scene.output.energy or held),
         account=scene.output.energy,
-        bonds=bool(scene.bond),
-        bond_damping=any(bond.damping_ratio or bond.en2 < 1.0 for bond in scene.bond),
-        bond_moments=any(bond.kr > 0.0 for bond in scene.bond),
-        bond_creep=bool(scene.bond) and scene.run.compat == "rockable",
+        **_drivers(scene, moving=bool(moving.any())),
+        **_cell(scene),
+        **_bonds(scene),
         **_numerics(how, laws),
         **_laws(scene, laws),
         **_forces(scene),
     )
+
+
+def _drivers(scene: Scene, *, moving: bool) -> dict[str, Any]:
+    """What moves fixed bodies; ``moving``: some have a velocity or spin of their own."""
+    driven = moving or bool(scene.driver)
+    wanted = scene.output.energy or (bool(scene.driver) and scene.output.drivers)
+    return {
+        "driven": driven,
+        "controlled": any(driver.kind in {"control", "pressure"} for driver in scene.driver),
+        "stepwise": driven and scene.run.compat == "rockable",
+        "work": driven and wanted,
+    }
+
+
+def _cell(scene: Scene) -> dict[str, Any]:
+    """How space repeats itself."""
+    cell = scene.cell
+    deforming = cell is not None and cell.deforms
+    held = cell is not None and bool(cell.stress.components())
+    return {
+        "periodic": cell is not None,
+        "deforming": deforming,
+        "cell_sums": deforming and (scene.output.energy or held),
+    }
+
+
+def _bonds(scene: Scene) -> dict[str, Any]:
+    """What bonds need."""
+    return {
+        "bonds": bool(scene.bond),
+        "bond_damping": any(bond.damping_ratio or bond.en2 < 1.0 for bond in scene.bond),
+        "bond_moments": any(bond.kr > 0.0 for bond in scene.bond),
+        "bond_creep": bool(scene.bond) and scene.run.compat == "rockable",
+    }
 
 
 def _numerics(how: Numerics, laws: list[Contact]) -> dict[str, Any]:
@@ -188,7 +211,8 @@ def elastic_cap(law: Contact) -> bool:
     return law.law in {"default", "custom"} and not law.attracts
 
 
-def _forces(scene: Scene) -> dict[str, bool]:
+def _forces(scene: Scene) -> dict[str, Any]:
+    """What acts on single bodies."""
     barriers = [force for force in scene.force if isinstance(force, VelocityBarrier)]
     fluids = [force for force in scene.force if isinstance(force, Fluid)]
     return {

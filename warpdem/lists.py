@@ -190,14 +190,13 @@ class Lists:
         """Copies of the lists that the new ones take their history from."""
         pairs, candidates = self.pairs, self.candidates
         count, length = self.pair_count, self.candidate_count
+        kept = (candidates.code, candidates.past, *self._memory())
         return (
             wp.clone(self.ends),
-            wp.clone(pairs.partner[: max(count, 1)]),
-            wp.clone(pairs.image[: max(count, 1)]) if self.has_images else pairs.image,
-            wp.clone(pairs.start[: count + 1]),
-            wp.clone(candidates.code[: max(length, 1)]),
-            wp.clone(candidates.past[: max(length, 1)]),
-            *(wp.clone(kept[: min(max(length, 1), len(kept))]) for kept in self._memory()),
+            _copy(pairs.partner, count),
+            _copy(pairs.image, count),
+            _copy(pairs.start, count + 1),
+            *(_copy(values, length) for values in kept),
         )
 
     def _memory(self) -> tuple[wp.array, ...]:
@@ -364,6 +363,11 @@ class Lists:
                 outputs=[self.candidates],
                 device=self._model.device,
             )
+
+
+def _copy(values: Any, count: int) -> wp.array:
+    """Copy of the first ``count``; of at least one, and of no more than there are."""
+    return wp.clone(values[: min(max(count, 1), len(values))])
 
 
 def history_kernel(has: Features) -> wp.Kernel:

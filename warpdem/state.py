@@ -42,8 +42,10 @@ class State:
 def allocate(
     device: Any, body_count: int, arm_count: int, cell: Cell, *, work: bool, braking: bool
 ) -> State:
-    """A state of zeros, its drives to be given; ``work``: that of drivers or forces is kept;
-    ``braking``: dashpots ask how many pairs act on a body.
+    """A state of zeros, its drives to be given.
+
+    ``work``: that of drivers or forces is kept; ``braking``: dashpots ask how many pairs act on a
+    body.
     """
 
     def zeros(dtype: Any, count: int = body_count) -> wp.array:
