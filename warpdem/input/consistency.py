@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from warpdem.input.bond_rules import RULES as BOND_RULES
-from warpdem.input.consistency_cell import CELL_RULES
-from warpdem.input.contact_rules import attraction, dashpot, laws_of_their_own, programs
-from warpdem.input.driver_rules import DRIVER_RULES
+from warpdem.input.rules_bond import RULES as BOND_RULES
+from warpdem.input.rules_cell import CELL_RULES
+from warpdem.input.rules_contact import attraction, dashpot, laws_of_their_own, programs
+from warpdem.input.rules_driver import DRIVER_RULES
 from warpdem.input.rules_force import forces
 from warpdem.input.rules_surface import containers, surfaces_stand
 from warpdem.input.scene_reading import Fault, entries, given, number, numbers, read, tables, text
