@@ -10,15 +10,7 @@ import warp as wp
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined
-from warpdem.kernels.views import Bodies, Candidates, Inertia
-
-
-@inlined()
-def sides(bodies: Bodies, i: int, j: int) -> real:
-    """Pairs that brake a body along one line: from both sides, once others act on it too."""
-    if bodies.braked[i] > 1 or bodies.braked[j] > 1:
-        return real(2.0)
-    return real(1.0)
+from warpdem.kernels.views import Bodies, Candidates, Drives, Inertia
 
 
 @wp.func
@@ -52,13 +44,53 @@ def coupled(shift: real, turn: real, coupling: real) -> real:
 
 
 @functools.cache
-def fastest_mode(partnership: str) -> wp.Function:
-    """Function of a body's part of the square of a pair's highest frequency, per stiffness."""
+def mobility(*, controlled: bool) -> wp.Function:
+    """Function of how easily a body is moved: axes, square roots of its inverse inertia."""
+
+    @inlined()
+    def mobility(inertia: Inertia, drives: Drives, bodies: Bodies, body: int):
+        """Frame whose rows are the axes of the turning; scales [kg^-1/2] and [kg^-1/2 m^-1]."""
+        own = wp.transpose(bodies.rotation[body])
+        inverse_mass = vec3(inertia.inverse_mass[body])
+        inverse_moment = inertia.inverse_moment[body]
+        if wp.static(controlled):
+            place = inertia.driven[body] - 1
+            if place >= 0:
+                # a wall that follows a force, along the world's axes
+                own = wp.identity(n=3, dtype=real)
+                inverse_mass = drives.inverse_mass[place]
+                inverse_moment = drives.inverse_inertia[place]
+        along = vec3(wp.sqrt(inverse_mass[0]), wp.sqrt(inverse_mass[1]), wp.sqrt(inverse_mass[2]))
+        about = vec3(
+            wp.sqrt(inverse_moment[0]), wp.sqrt(inverse_moment[1]), wp.sqrt(inverse_moment[2])
+        )
+        return own, along, about
+
+    return mobility
+
+
+@inlined()
+def sides(inertia: Inertia, bodies: Bodies, body: int) -> real:
+    """How many pairs may brake a body along one line: a free one two, a wall all that touch it."""
+    acting = wp.max(bodies.braked[body], 1)
+    if inertia.inverse_mass[body] > real(0.0):
+        acting = wp.min(acting, 2)
+    return real(acting)
+
+
+@functools.cache
+def fastest_mode(partnership: str, *, controlled: bool) -> wp.Function:
+    """Function of a body's part of the square of a pair's highest frequency, per stiffness.
+
+    Times the number of pairs that may brake the body along one line.
+    """
     share_of = SHARES.get(partnership)
+    mobility_of = mobility(controlled=controlled)
 
     @inlined()
     def fastest_mode(
         inertia: Inertia,
+        drives: Drives,
         bodies: Bodies,
         candidates: Candidates,
         body: int,
@@ -69,31 +101,27 @@ def fastest_mode(partnership: str) -> wp.Function:
         exponent: real,
     ) -> real:
         """Bound from above [1/kg]; ``shift`` leads from the partner's centre to the body's."""
-        inverse_mass = inertia.inverse_mass[body]
-        if inverse_mass == real(0.0):
+        own, scale, turning = mobility_of(inertia, drives, bodies, body)
+        if scale == vec3() and turning == vec3():
             return real(0.0)
-        own = wp.transpose(bodies.rotation[body])
-        inverse_moment = inertia.inverse_moment[body]
-        scale = vec3(
-            wp.sqrt(inverse_moment[0]), wp.sqrt(inverse_moment[1]), wp.sqrt(inverse_moment[2])
-        )
         along = mat33()
         about = mat33()
         both = mat33()
         for slot in range(start, start + touching):
             overlap = -candidates.gap[slot]
             if overlap > real(0.0):
-                n = candidates.normal[slot]
-                turn = wp.cw_mul(own * wp.cross(candidates.point[slot] - shift, n), scale)
+                normal = candidates.normal[slot]
+                n = wp.cw_mul(normal, scale)
+                arm = wp.cross(candidates.point[slot] - shift, normal)
+                turn = wp.cw_mul(own * arm, turning)
                 share = real(1.0)
                 if wp.static(partnership != "sum"):
                     share = share_of(overlap, total, exponent)
                 along += wp.outer(n, n) * share
                 about += wp.outer(turn, turn) * share
                 both += wp.outer(n, turn) * share
-        coupling = wp.sqrt(wp.ddot(both, both) * inverse_mass)
-        return coupled(
-            largest_eigenvalue(along) * inverse_mass, largest_eigenvalue(about), coupling
-        )
+        coupling = wp.sqrt(wp.ddot(both, both))
+        square = coupled(largest_eigenvalue(along), largest_eigenvalue(about), coupling)
+        return square * sides(inertia, bodies, body)
 
     return fastest_mode

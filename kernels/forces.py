@@ -7,7 +7,7 @@ follows from all of them. Pass 2 applies the laws, contact by contact, and write
 import functools
 
 import warp as wp
-from warpdem.kernels.braking import fastest_mode, implicit_share, sides
+from warpdem.kernels.braking import fastest_mode, implicit_share
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.contact import apply_laws
 from warpdem.kernels.kinematics import Flow
@@ -22,6 +22,7 @@ from warpdem.kernels.views import (
     Candidates,
     Cell,
     Clock,
+    Drives,
     Geometry,
     Inertia,
     Material,
@@ -47,13 +48,14 @@ def dashpot(laws: Laws) -> wp.Function:
     The measure of their shares, the time tau of their dashpot [s], its implicit share beta.
     """
     frequency_of = frequency(laws)
-    fastest_of = fastest_mode(laws.partnership)
+    fastest_of = fastest_mode(laws.partnership, controlled=laws.controlled)
     shares = laws.partnership != "sum"
     total_shares = total_of(laws.partnership) if shares else None
 
     @inlined()
     def dashpot(
         inertia: Inertia,
+        drives: Drives,
         bodies: Bodies,
         candidates: Candidates,
         law: Material,
@@ -83,18 +85,21 @@ def dashpot(laws: Laws) -> wp.Function:
                 tau = real(2.0) * law.zeta / wp.sqrt(law.kn * inverse_mass)
                 beta = real(0.5) * dt * tau * omega * omega
             if wp.static(laws.predicted):
-                if touching > 1:
+                several = touching > 1
+                if wp.static(laws.controlled):
+                    # a wall may be lighter than what it carries
+                    several = several or inertia.driven[i] > 0 or inertia.driven[j] > 0
+                if several:
                     # fmt: off
                     fastest = fastest_of(
-                        inertia, bodies, candidates, i, d, start, touching, total, law.exponent
+                        inertia, drives, bodies, candidates, i, d, start, touching, total,
+                        law.exponent,
                     ) + fastest_of(
-                        inertia, bodies, candidates, j, vec3(), start, touching, total,
+                        inertia, drives, bodies, candidates, j, vec3(), start, touching, total,
                         law.exponent,
                     )
                     # fmt: on
-                    beta = wp.max(
-                        beta, implicit_share(sides(bodies, i, j) * dt * tau * law.kn * fastest)
-                    )
+                    beta = wp.max(beta, implicit_share(dt * tau * law.kn * fastest))
         return total, tau, beta
 
     return dashpot
@@ -120,6 +125,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         bodies: Bodies,
         clock: Clock,
         cell: Cell,
+        drives: Drives,
         # in and out
         pairs: Pairs,
         candidates: Candidates,
@@ -154,7 +160,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         torque = vec3()
         if touching > 0:
             total, tau, beta = dashpot_of(
-                inertia, bodies, candidates, law, i, j, d, start, touching, dt
+                inertia, drives, bodies, candidates, law, i, j, d, start, touching, dt
             )
             for slot in range(start, start + touching):
                 # fmt: off

@@ -38,6 +38,7 @@ class Laws(NamedTuple):
     sticky: bool  # some of it begins and ends at touch
     reaching: bool  # some of it acts at a distance
     documented: bool  # and goes on in contact as exaDEM's page has it
+    controlled: bool  # some walls follow forces
     periodic: bool  # pairs with images
     deforming: bool  # images that move against one another
     account: bool  # energy bookkeeping

@@ -46,6 +46,8 @@ def fill(count, *, kind="random", low=0.0, high=1.0):
     }
 
 
+DRAG = {"kind": "drag"}
+BOND = {"between": "inner", "rule": "vertices", "tolerance": 1e-4, "kn": 1e5, "kt": 1e5}
 SHEAR = {"strain_rate": [[0, 1.0, 0], [0, 0, 0], [0, 0, 0]]}
 
 
@@ -61,6 +63,13 @@ SHEAR = {"strain_rate": [[0, 1.0, 0], [0, 0, 0], [0, 0, 0]]}
         (SHEAR, {"body": (FREE, STANDING)}, "nothing fixed can stand in a cell that deforms"),
         ({}, {"gravity": (0, 0, -9.81)}, "they would fall for ever"),
         ({}, {"fill": [fill(3, low=-0.5)]}, "reaches out of the periodic cell"),
+        (SHEAR, {"force": [DRAG]}, "differ between images of a body"),
+        (SHEAR, {"bond": [BOND]}, "bonds do not enter the stress"),
+        (
+            {},
+            {"force": [{"kind": "fluid", "file": "u.npz"}]},
+            "not repeated with the periodic cell",
+        ),
     ],
 )
 def test_cells_that_make_no_sense_are_refused(cell, more, rule):
@@ -155,3 +164,21 @@ def test_run_writes_the_cell_and_shows_bodies_inside_it(tmp_path):
     assert np.allclose(box.bounds, [-0.01, 1.01, 0.0, 1.0, 0.0, 1.0], atol=1e-6)
     points = pyvista.PVDReader(tmp_path / "out" / "contacts.pvd").read()[0]
     assert 0.0 <= points.points[0, 0] <= 1.0
+
+
+def test_stress_of_a_chain_that_hangs_by_its_bonds_is_its_weight_in_tension():
+    """A ball under a fixed one: sigma_zz V = -f h, f the weight of the lower one."""
+    upper = {**FREE, "fixed": True}
+    lower = {"shape": "ball", "position": [0.5, 0.5, 0.3], "density": 1000.0}
+    hung = scene(
+        {"periodic": [True, True, False]},
+        gravity=(0.0, 0.0, -9.81),
+        body=(upper, lower),
+        bond=[{**BOND, "walls": True, "damping_ratio": 0.7, "rule": "clusters"}],
+        run={"duration": 1.0, "dt": 1e-4},
+    )
+    simulation = Simulation(hung, device="cpu", threads=1)
+    simulation.advance(0.5)
+    cell = simulation.snapshot().cell
+    weight = 1000.0 * 4.0 / 3.0 * np.pi * 0.1**3 * 9.81
+    assert cell.contact_stress[2, 2] * cell.volume == pytest.approx(-weight * 0.1, rel=2e-2)

@@ -142,3 +142,12 @@ def test_wall_without_mass_is_refused():
     shapes = build_shapes(massless)
     with pytest.raises(SceneError, match="give the driver mass"):
         plan_of(massless, place(massless, shapes), shapes)
+
+
+def test_wall_that_follows_a_force_has_no_velocity_of_its_own_along_it():
+    built = scene([{"kind": "control", "bodies": ["a"], "force": {"z": 1.0}}])
+    body = built.body[0].model_copy(update={"velocity": (0.0, 0.0, 1.0)})
+    built = built.model_copy(update={"body": (body,)})
+    shapes = build_shapes(built)
+    with pytest.raises(SceneError, match="velocity of its own"):
+        plan_of(built, place(built, shapes), shapes)

@@ -10,7 +10,7 @@ import warp as wp
 from warpdem.bonds.fragments import fragments
 from warpdem.bonds.stiffness import highest
 from warpdem.checks.restitution import zeta_bilateral
-from warpdem.checks.timestep import masses
+from warpdem.checks.timestep import masses, movable_masses
 from warpdem.kernels.bond_bound import bond_bound
 from warpdem.kernels.bonding import BROKEN, INTACT, YIELDED
 from warpdem.kernels.precision import real, vec3, vec4
@@ -20,10 +20,11 @@ from warpdem.model import on
 from warpdem.snapshot import Breakage
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from warpdem.arrays import BoolArray, FloatArray
     from warpdem.bonds.creation import Interfaces
+    from warpdem.driving.plan import Plan
     from warpdem.features import Features
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
@@ -55,11 +56,14 @@ class Bonding:
         made: Interfaces,
         features: Features,
         device: Any,
+        *,
+        plan: Plan,
     ) -> None:
         self.made = made
         self._device = device
         self.bonds = _allocate(made, features, len(placement.shape), device)
-        self.bonds.law = _laws(scene, placement, polyhedra, made, device)
+        decay = _decay(made, placement, movable_masses(placement, polyhedra, plan))
+        self.bonds.law = _laws(scene, placement, polyhedra, made, decay, device)
         self.joined = _joined(made, len(placement.shape), device)
         self.time = np.full(len(made), np.nan)
 
@@ -198,6 +202,7 @@ def _laws(
     placement: Placement,
     polyhedra: Mapping[str, Polyhedron],
     made: Interfaces,
+    decay: Callable[[FloatArray], FloatArray],
     device: Any,
 ) -> wp.array:
     rows: Any = np.zeros(len(made), dtype=BondLaw.numpy_dtype())
@@ -218,16 +223,20 @@ def _laws(
     rows["tau"] = 2.0 * zeta / np.sqrt(together if how.damping == "pair" else alone)
     if how.contact_update == "predicted":
         rows["rate"] = 0.5 * rows["tau"] * together
-        rows["decay"] = _decay(placement, polyhedra, made, rows["kn"] * rows["tau"])
+        rows["decay"] = decay(rows["kn"] * rows["tau"])
     return wp.array(rows, dtype=BondLaw, device=device)
 
 
 def _decay(
-    placement: Placement, polyhedra: Mapping[str, Polyhedron], made: Interfaces, cn: FloatArray
-) -> FloatArray:
-    """Fastest decay that the dashpots on either body of an interface could cause [1/s]."""
-    rates = highest(made, placement, *masses(placement, polyhedra), (cn, cn, 0.0 * cn))
-    return rates[made.bodies].max(axis=1)
+    made: Interfaces, placement: Placement, movable: tuple[FloatArray, FloatArray]
+) -> Callable[[FloatArray], FloatArray]:
+    """Fastest decay that dashpots cn on either body of an interface could cause [1/s]."""
+
+    def decay(cn: FloatArray) -> FloatArray:
+        rates = highest(made, placement, *movable, (cn, cn, 0.0 * cn))
+        return rates[made.bodies].max(axis=1)
+
+    return decay
 
 
 def _damping_ratio(bond: Any) -> float:

@@ -84,7 +84,7 @@ def build(
     state = replace(state, drives=drives)
     _start(state, placement, mass, moment)
     if interfaces is not None:
-        bonding = Bonding(scene, placement, polyhedra, interfaces, features, device)
+        bonding = Bonding(scene, placement, polyhedra, interfaces, features, device, plan=plan)
         state = replace(state, bonding=bonding)
     return model, state
 

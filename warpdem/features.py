@@ -208,7 +208,7 @@ def elastic_cap(law: Contact) -> bool:
     The programs that have that cap cut the friction of broken bonds and of cohesive contacts by
     the whole normal force.
     """
-    return law.law in {"default", "custom"} and not law.attracts
+    return law.law == "default" and not law.attracts
 
 
 def _forces(scene: Scene) -> dict[str, Any]:

@@ -149,4 +149,23 @@ def _moment(model: Model, state: State, lists: Lists) -> FloatArray:
         weight = weight if weight.any() else np.ones(len(which))
         point = weight @ lists.candidates.point.numpy()[slots] / weight.sum()
         branch[k] = branch[k] - point if model.free[owner[k]] else point
-    return np.einsum("pi,pj->ij", pairs.force.numpy()[on], branch)
+    total = np.einsum("pi,pj->ij", pairs.force.numpy()[on], branch)
+    if state.bonding:
+        total = total + _bonded_moment(model, state)
+    return total
+
+
+def _bonded_moment(model: Model, state: State) -> FloatArray:
+    """Sum of f (x) d over the interfaces; to a fixed body from the middle of the bonds."""
+    assert state.bonding
+    bonds, made = state.bonding.bonds, state.bonding.made
+    force = bonds.force.numpy() * (bonds.state.numpy() != 0)[:, None]
+    owner, partner = made.bodies.T
+    position = state.bodies.position.numpy()
+    branch = position[owner] - position[partner]
+    starts = np.cumsum(made.counts) - made.counts
+    middle = np.add.reduceat(bonds.point.numpy(), starts) / made.counts[:, None]
+    one = (model.free[owner] & ~model.free[partner])[:, None]
+    other = (~model.free[owner] & model.free[partner])[:, None]
+    branch = np.where(one, branch - middle, np.where(other, middle, branch))
+    return np.einsum("pi,pj->ij", force, branch)

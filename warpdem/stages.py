@@ -97,6 +97,7 @@ def forces(model: Model, state: State, lists: Lists, share: Share, dt: float) ->
         state.bodies,
         share.clock,
         state.cell,
+        state.drives,
         lists.pairs,
         lists.candidates,
         state.account,

@@ -7,6 +7,8 @@ from warpdem.kernels.braking import coupled, implicit_share, largest_eigenvalue
 from warpdem.kernels.precision import mat33
 
 from scenes import body, box, laboratory, law
+from warpdem.input.scene import Scene
+from warpdem.simulation import Simulation
 
 THICK = 0.08
 
@@ -63,3 +65,33 @@ def test_norm_of_blocks_bounds_that_of_the_whole_matrix():
         shift, turn = np.linalg.norm(b[:3, :3], 2), np.linalg.norm(b[3:, 3:], 2)
         bound = of(coupled, float(shift), float(turn), float(np.linalg.norm(b[:3, 3:])))
         assert np.linalg.norm(b, 2) <= bound * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize(("mass", "e"), [(0.2, 0.1), (0.01, 0.7), (0.001, 0.3)])
+def test_a_light_wall_pushes_a_heavy_body_without_gaining_energy(mass, e):
+    wall = {
+        "name": "wall",
+        "shape": "plate",
+        "position": [0.0, 0.0, -0.01],
+        "fixed": True,
+    }
+    block = {"shape": "block", "position": [0.0, 0.0, 0.05], "density": 2000.0}
+    push = {"kind": "control", "bodies": ["wall"], "force": {"z": 60.0}, "mass": mass}
+    scene = {
+        "run": {"duration": 0.05},
+        "gravity": {"vector": [0.0, 0.0, 0.0]},
+        "shape": [
+            {"kind": "box", "name": "plate", "size": [0.4, 0.4, 0.02], "rounding": 0.004},
+            {"kind": "box", "name": "block", "size": [0.1, 0.1, 0.1], "rounding": 0.004},
+        ],
+        "body": [wall, block],
+        "contact": [{"groups": ["default"] * 2, "kn": 1e5, "kt": 0.0, "mu": 0.0, "en2": e * e}],
+        "driver": [push],
+    }
+    simulation = Simulation(Scene.model_validate(scene), device="cpu", threads=1)
+    simulation.advance(0.05)
+    energy = simulation.snapshot().energy
+    assert abs(energy.balance) < 1e-2 * energy.work
+    # both go with the force as one
+    speed = 60.0 * 0.05 / (2000.0 * 1e-3 + mass)
+    assert simulation.snapshot().velocity[1, 2] == pytest.approx(speed, rel=0.1)

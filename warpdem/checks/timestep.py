@@ -142,7 +142,8 @@ def automatic_step(
     shortest = contact_time(max(stiff), 1.0) if stiff else inf
     bound = _bound(scene, placement, polyhedra)
     if interfaces is not None:
-        square, frequency = stiffest(interfaces, placement, *masses(placement, polyhedra))
+        movable = movable_masses(placement, polyhedra, plan)
+        square, frequency = stiffest(interfaces, placement, *movable)
         bound = 1.0 / sqrt(1.0 / bound**2 + 0.25 * square)
         shortest = min(shortest, pi / frequency)
     if scene.run.dt == "auto":
@@ -212,6 +213,18 @@ def masses(
     return mass, moments
 
 
+def movable_masses(
+    placement: Placement, polyhedra: Mapping[str, Polyhedron], plan: Plan
+) -> tuple[FloatArray, FloatArray]:
+    """As ``masses``, with their own for walls that follow a force, along their loosest axis."""
+    mass, moments = masses(placement, polyhedra)
+    with np.errstate(divide="ignore"):
+        mass[plan.bodies] = 1.0 / plan.walls.inverse_mass.max(axis=1, initial=0.0)
+        turning = 1.0 / plan.walls.inverse_inertia.max(axis=1, initial=0.0)
+    moments[plan.bodies] = turning[:, None]
+    return mass, moments
+
+
 def _refuse_impossible_masses(
     scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
 ) -> None:
@@ -237,9 +250,7 @@ def _pairs(
     scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron], plan: Plan
 ) -> Iterator[tuple[float, float]]:
     """Stiffness [N/m] and least effective mass [kg] of each two groups that can meet."""
-    mass = masses(placement, polyhedra)[0]
-    with np.errstate(divide="ignore"):
-        mass[plan.bodies] = 1.0 / plan.walls.inverse_mass.max(axis=1, initial=0.0)
+    mass = movable_masses(placement, polyhedra, plan)[0]
     lightest = {
         name: [*np.sort(mass[placement.group == index])[:2], inf, inf][:2]
         for index, name in enumerate(placement.groups)

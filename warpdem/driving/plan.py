@@ -139,6 +139,7 @@ def plan_of(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedr
         )
     walls, faults = walls_of(scene, placement, polyhedra, place, len(bodies))
     faults += conflicts(scene, imposed, walls)
+    faults += own_motion(scene, placement, walls, bodies)
     if problems or faults:
         raise SceneError(str(scene.source or "scene"), [*problems, *faults])
     return Plan(
@@ -185,4 +186,21 @@ def conflicts(scene: Scene, imposed: list[Imposed], walls: Walls) -> list[Proble
             rule = f"imposes a {what} of driver[{push.index}] at the same time: give one of them"
             rule += " start or stop, or other axes"
             problems.append(problem_at(scene, ("driver", driver.index), rule))
+    return problems
+
+
+def own_motion(scene: Scene, placement: Placement, walls: Walls, bodies: IntArray) -> list[Problem]:
+    """Velocities and spins of bodies' own along axes that a force or moment is to move."""
+    problems = []
+    for push in walls.pushes:
+        body = bodies[push.place]
+        own = placement.spin[body] if push.kind == "moment" else placement.velocity[body]
+        bad = np.flatnonzero((push.loose > 0.0) & (own != 0.0))
+        if len(bad):
+            key = "spin" if push.kind == "moment" else "velocity"
+            rule = (
+                f'moves "{placement.names[body]}" by a {push.kind} along {"xyz"[bad[0]]}, where it '
+                f"has a {key} of its own that it would keep for ever: set that to zero"
+            )
+            problems.append(problem_at(scene, ("driver", push.index), rule))
     return problems

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from warpdem.input.scene_reading import Fault, entries, given, number, numbers, read, tables
+from warpdem.input.scene_reading import (
+    Fault,
+    entries,
+    given,
+    number,
+    numbers,
+    read,
+    tables,
+    text,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -119,4 +128,30 @@ def _stresses(cell: Any) -> list[tuple[int, int]]:
     ]
 
 
-CELL_RULES = (cell_repeats, cell_control, cell_bodies, cell_fills)
+def cell_company(scene: Any) -> Iterator[Fault]:
+    """What knows nothing of images, or of the flow of a cell that deforms."""
+    cell = read(scene, "cell")
+    if cell is None:
+        return
+    for index, force in tables(scene, "force"):
+        if text(force, "kind") == "fluid":
+            rule = "a grid of velocities is not repeated with the periodic cell: use drag"
+            yield Fault(("force", index, "kind"), "fluid", rule)
+    if not (_rates(cell) or _stresses(cell)):
+        return
+    for index, force in tables(scene, "force"):
+        if text(force, "kind") != "fluid":
+            rule = (
+                "sees velocities, which in a cell that deforms differ between images of a body: "
+                "leave out strain_rate and stress, or the force"
+            )
+            yield Fault(("force", index, "kind"), text(force, "kind"), rule)
+    for index, _ in tables(scene, "bond"):
+        rule = (
+            "bonds do not enter the stress that a deforming cell follows: leave out strain_rate "
+            "and stress, or the bonds"
+        )
+        yield Fault(("bond", index), None, rule)
+
+
+CELL_RULES = (cell_repeats, cell_control, cell_bodies, cell_fills, cell_company)

@@ -51,12 +51,16 @@ def attraction(scene: Any) -> Iterator[Fault]:
 
 
 def laws_of_their_own(scene: Any) -> Iterator[Fault]:
-    """A custom law names its function; no other does."""
+    """A custom law names its function and has all its stiffness; no other does."""
+    partnership = read(read(scene, "run"), "partnership")
     for index, contact in tables(scene, "contact"):
         if _law(contact) == "custom":
             for key in ("file", "normal"):
                 if read(contact, key) is None:
                     yield Fault(("contact", index, key), None, 'missing: law = "custom" needs it')
+            if partnership not in {None, "sum"}:
+                rule = 'a function of its own shares nothing: use run.partnership = "sum"'
+                yield Fault(("contact", index, "law"), "custom", rule)
             for key in ("en2", "damping_ratio"):
                 if read(contact, key) is not None:
                     rule = 'law = "custom" has no dashpot but its own; use parameters'
