@@ -23,7 +23,16 @@ def _device():
         pytest.skip("no CUDA device")
 
 
-@pytest.mark.parametrize("scene", ["drum", "tschamut_blocks"])
+@pytest.mark.parametrize(
+    "scene",
+    [
+        "tschamut_blocks",
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("drum", "breakage", "periodic_shear", "triaxial", "winnow")
+        ),
+    ],
+)
 def test_every_kernel_compiles_for_cuda_without_a_device(scene, tmp_path):
     simulation = Simulation(load(SCENES / f"{scene}.toml"), device="cpu", threads=1)
     kernels = kernels_of(
@@ -37,7 +46,10 @@ def test_every_kernel_compiles_for_cuda_without_a_device(scene, tmp_path):
 
 
 @pytest.mark.usefixtures("_device")
-@pytest.mark.parametrize("scene", ["hopper", "drum", "tschamut_blocks"])
+@pytest.mark.parametrize(
+    "scene",
+    ["hopper", "drum", "tschamut_blocks", "breakage", "periodic_shear", "triaxial", "winnow"],
+)
 def test_cuda_and_cpu_agree_before_contacts_diverge(scene):
     runs = []
     for device in ("cpu", "cuda"):
