@@ -74,11 +74,14 @@ def _stiff_contacts(scene: Scene, placement: Placement) -> Iterator[str]:
     table = scene.contact_table(placement.groups)
     springs = {pair for pair, law in table.items() if law.law != "custom"}
     meeting = [pair for pair in meeting_groups(scene) if pair in springs]
+    free = {placement.groups[k] for k in np.unique(placement.group[~placement.fixed])}
     for index, bond in enumerate(scene.bond):
         if not any(getattr(bond, key) for key in STRENGTHS):
             continue
         for pair in meeting:
             kn = table[pair].kn
+            if not bond.walls and not free.issuperset(pair):
+                continue
             if bond.groups in (None, pair, pair[::-1]) and kn > bond.kn:
                 yield (
                     f"bond[{index}]: kn = {bond.kn:g} N/m is less than that of the contacts of "
