@@ -3,12 +3,16 @@
 import functools
 
 import warp as wp
+from warpdem.kernels.attraction import attraction
 from warpdem.kernels.bonding import BROKEN, YIELDED
+from warpdem.kernels.codes import kind_of
+from warpdem.kernels.cohesion import at_distance_energy, curvature_radius
 from warpdem.kernels.kinematics import Flow, kinematics
-from warpdem.kernels.laws import AVALANCHE
+from warpdem.kernels.laws import AVALANCHE, CUSTOM, Laws
 from warpdem.kernels.narrow import feature_pair
 from warpdem.kernels.neighbours import lower_bound
 from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.sharing import SHARES, total_of
 from warpdem.kernels.tangential import radial_return
 from warpdem.kernels.variant import inlined, variant
 from warpdem.kernels.views import Bodies, Bonds, Candidates, Geometry, Material, Pairs
@@ -56,26 +60,122 @@ def remembered(bonds: Bonds, k: int, code: wp.int64, damping: bool, mu: real) ->
 
 
 @functools.cache
-def release(
-    *,
-    polyhedra: bool,
-    convex: bool,
-    two_sided: bool,
-    cones: bool,
-    damping: bool,
-    avalanche: bool,
-    periodic: bool,
-) -> wp.Kernel:
+def pack(laws: Laws) -> wp.Function:
+    """Function that packs what acts from now on, with the gaps of half a step ago; their number.
+
+    What touches now does not count as apart then, nor the other way round: gaps end at 0.
+    """
+    gap_of = feature_pair(
+        polyhedra=laws.polyhedra,
+        convex=laws.convex,
+        two_sided=laws.two_sided,
+        cones=laws.cones,
+        surfaces=False,
+    )
+    motion_at = kinematics(predicted=False, deforming=False)
+
+    @inlined()
+    def pack(
+        geometry: Geometry,
+        bodies: Bodies,
+        candidates: Candidates,
+        law: Material,
+        i: int,
+        j: int,
+        start: int,
+        end: int,
+        dt: real,
+    ) -> int:
+        reach = real(0.0)
+        if wp.static(laws.reaching):
+            reach = law.dncut
+        d = bodies.position[i] - bodies.position[j]
+        slot = int(start)
+        for c in range(start, end):
+            hit = gap_of(geometry, bodies, i, j, d, reach, candidates.code[c])
+            if hit.gap < reach and hit.admissible:
+                motion = motion_at(bodies, Flow(), i, j, d, hit.normal, hit.point, dt)
+                gap = hit.gap + real(0.5) * dt * motion.approach
+                if hit.gap < real(0.0):
+                    gap = wp.min(gap, real(0.0))
+                    if wp.static(laws.avalanche):
+                        candidates.last[c] = hit.gap
+                else:
+                    gap = wp.clamp(gap, real(0.0), reach)
+                candidates.which[slot] = c
+                candidates.gap[slot] = gap
+                slot += 1
+        return slot - start
+
+    return pack
+
+
+@functools.cache
+def take_over(laws: Laws, *, damping: bool) -> wp.Function:
+    """Function that hands a bond's forces to its contact, and tells the contact's energy [J].
+
+    The energy is that of contact.py, half a step after the last forces; only the tangential spring
+    is counted as those left it, from where the pair's account of friction goes on. With a share of
+    the stiffness goes the same share of the forces: the spring keeps its elongation.
+    """
+    shares = laws.partnership != "sum"
+    share_of = SHARES.get(laws.partnership)
+    pull_of = attraction(laws)
+
+    @inlined()
+    def take_over(
+        geometry: Geometry,
+        candidates: Candidates,
+        bonds: Bonds,
+        law: Material,
+        i: int,
+        j: int,
+        k: int,
+        c: int,
+        gap: real,
+        total: real,
+    ) -> real:
+        code = candidates.code[c]
+        share = real(1.0)
+        if wp.static(shares):
+            share = share_of(-gap, total, law.exponent)
+            candidates.share[c] = share
+        stiffness = share * law.kn
+        if wp.static(laws.avalanche):
+            if law.kind == AVALANCHE:
+                stiffness *= law.en2
+        if wp.static(len(laws.custom) > 0):
+            if law.kind >= CUSTOM:
+                stiffness = real(0.0)
+        taken = real(0.5) * stiffness * gap * gap
+        if wp.static(laws.cohesion):
+            radius = curvature_radius(kind_of(code), geometry.radius[i], geometry.radius[j])
+            _pull, energy = pull_of(law, gap, radius, real(1.0))
+            taken += energy
+        past = remembered(bonds, k, code, wp.static(damping), law.mu)
+        if past[3] >= real(0.0) and gap < real(0.0):
+            past *= share
+            candidates.past[c] = past
+            if law.kt > real(0.0):
+                ft = vec3(past[0], past[1], past[2])
+                taken += wp.dot(ft, ft) / (real(2.0) * share * law.kt)
+        return taken
+
+    return take_over
+
+
+@functools.cache
+def release(laws: Laws, *, damping: bool) -> wp.Kernel:
     """Kernel that breaks the interfaces that yielded and hands what touches to the new lists.
 
     Released is the elastic energy half a step after the last forces, until when they act, less that
-    of the contacts at the same instant.
+    of the contacts at the same instant. ``damping``: of bonds.
     """
-    gap_of = feature_pair(
-        polyhedra=polyhedra, convex=convex, two_sided=two_sided, cones=cones, surfaces=False
-    )
-    motion_at = kinematics(predicted=False, deforming=False)
-    pair_of = listed_pair(periodic=periodic)
+    pair_of = listed_pair(periodic=laws.periodic)
+    pack_pair = pack(laws)
+    take = take_over(laws, damping=damping)
+    shares = laws.partnership != "sum"
+    total_shares = total_of(laws.partnership) if shares else None
 
     @variant
     def release(
@@ -104,24 +204,20 @@ def release(
         pair = pair_of(pairs, ends, i, j)
         if pair >= 0:
             law = materials[pairs.material[pair]]
-            d = bodies.position[i] - bodies.position[j]
-            for c in range(pairs.start[pair], pairs.start[pair + 1]):
-                hit = gap_of(geometry, bodies, i, j, d, real(0.0), candidates.code[c])
-                if hit.gap < real(0.0) and hit.admissible:
-                    past = remembered(bonds, k, candidates.code[c], wp.static(damping), law.mu)
-                    motion = motion_at(bodies, Flow(), i, j, d, hit.normal, hit.point, dt)
-                    overlap = wp.max(-hit.gap - real(0.5) * dt * motion.approach, real(0.0))
-                    stiffness = real(law.kn)
-                    if wp.static(avalanche):
-                        candidates.last[c] = hit.gap
-                        if law.kind == AVALANCHE:
-                            stiffness *= law.en2
-                    taken += real(0.5) * stiffness * overlap * overlap
-                    if past[3] >= real(0.0):
-                        candidates.past[c] = past
-                        if law.kt > real(0.0):
-                            ft = vec3(past[0], past[1], past[2])
-                            taken += wp.dot(ft, ft) / (real(2.0) * law.kt)
+            start = pairs.start[pair]
+            end = pairs.start[pair + 1]
+            count = pack_pair(geometry, bodies, candidates, law, i, j, start, end, dt)
+            total = real(1.0)
+            if wp.static(shares):
+                total = total_shares(candidates, start, count, law.exponent)
+            for slot in range(start, start + count):
+                gap = candidates.gap[slot]
+                if gap > real(0.0):
+                    if wp.static(laws.reaching):
+                        taken += at_distance_energy(law.fc, gap, law.dncut)
+                else:
+                    c = candidates.which[slot]
+                    taken += take(geometry, candidates, bonds, law, i, j, k, c, gap, total)
         bonds.energy[k] = vec4(real(0.0), real(0.0), lost, left - taken)
         bonds.step[k] = step
         bonds.force[k] = vec3()

@@ -129,6 +129,14 @@ def test_doubts_are_warnings(override, expected):
     assert report(override).warnings == ((expected,) if expected else ())
 
 
+@pytest.mark.parametrize(("kn", "doubted"), [(1e5, True), (1e8, False)])
+def test_contacts_stiffer_than_what_breaks_are_a_warning(kn, doubted):
+    bond = f'{{between="outer", rule="vertices", tolerance=1e-4, kn={kn}, kt=1e5, ft0=1.0}}'
+    found = [line for line in report(f"bond=[{bond}]").warnings if "bond[0]: kn" in line]
+    assert len(found) == (1 if doubted else 0)
+    assert all("leaves more energy in the contact than it held" in line for line in found)
+
+
 def test_what_no_body_uses_is_a_warning():
     assert report('group=[{name="rock", density=1e3}, {name="sand"}]').warnings == (
         'no body is in the group "sand"',

@@ -18,6 +18,7 @@ from warpdem.kernels.release import release
 from warpdem.kernels.views import BondLaw, Bonds, Incidence
 from warpdem.model import on
 from warpdem.snapshot import Breakage
+from warpdem.stages import laws
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -150,15 +151,7 @@ class Bonding:
 
 def release_kernel(has: Features) -> wp.Kernel:
     """The kernel that breaks interfaces, for the needs of a scene."""
-    return release(
-        polyhedra=has.polyhedra,
-        convex=has.convex,
-        two_sided=has.two_sided,
-        cones=has.cones,
-        damping=has.bond_damping,
-        avalanche=has.avalanche,
-        periodic=has.periodic,
-    )
+    return release(laws(has), damping=has.bond_damping)
 
 
 def _allocate(made: Interfaces, has: Features, body_count: int, device: Any) -> Bonds:

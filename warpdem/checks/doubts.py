@@ -9,6 +9,7 @@ import numpy as np
 from warpdem.checks.cell import cell_frequency
 from warpdem.checks.timestep import masses
 from warpdem.filling.placement import first_flow
+from warpdem.input.rules_bond import STRENGTHS
 from warpdem.input.scene_references import meeting_groups
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def all_of(
     return (
         *_idle(scene, placement, polyhedra),
         *_slippery(scene),
+        *_stiff_contacts(scene, placement),
         *_steps(scene, step),
         *_soft(scene, placement, polyhedra, radii),
         *_light_cell(scene, placement, polyhedra, step),
@@ -65,6 +67,27 @@ def _slippery(scene: Scene) -> Iterator[str]:
     for index, law in enumerate(scene.contact):
         if law.mu > 0.0 and law.kt == 0.0:
             yield f"contact[{index}]: kt = 0 leaves no friction in spite of mu = {law.mu:g}"
+
+
+def _stiff_contacts(scene: Scene, placement: Placement) -> Iterator[str]:
+    """Contacts stiffer than the breakable bonds they take over from."""
+    table = scene.contact_table(placement.groups)
+    springs = {pair for pair, law in table.items() if law.law != "custom"}
+    meeting = [pair for pair in meeting_groups(scene) if pair in springs]
+    free = {placement.groups[k] for k in np.unique(placement.group[~placement.fixed])}
+    for index, bond in enumerate(scene.bond):
+        if not any(getattr(bond, key) for key in STRENGTHS):
+            continue
+        for pair in meeting:
+            kn = table[pair].kn
+            if not bond.walls and not free.issuperset(pair):
+                continue
+            if bond.groups in (None, pair, pair[::-1]) and kn > bond.kn:
+                yield (
+                    f"bond[{index}]: kn = {bond.kn:g} N/m is less than that of the contacts of "
+                    f'"{pair[0]}" and "{pair[1]}", {kn:g} N/m: a bond that breaks under '
+                    "compression leaves more energy in the contact than it held"
+                )
 
 
 def _steps(scene: Scene, step: TimeStep | None) -> Iterator[str]:
