@@ -13,6 +13,10 @@ and in the scene ``law = "custom", file = "laws.py", normal = "hertz", parameter
 gives the force that repels the two bodies [N] (negative attracts; friction is cut by mu times its
 positive part). kn bounds the time step: give the largest slope of the force. Its work counts as
 dissipated by the dashpot in the energy account, since what is stored is not known.
+
+A custom law has no en2: touch.tau and touch.beta are 0. dt = "auto" knows of kn alone, so that a
+dashpot of one's own is not bounded by it: give run.dt. Numbers are written real(1.5): a bare 1.5
+is of single precision and does not mix with the others.
 """
 
 import warp as wp

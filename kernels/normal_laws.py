@@ -9,11 +9,12 @@ import functools
 import warp as wp
 from warpdem.kernels.avalanche import avalanche
 from warpdem.kernels.cohesion import documented
-from warpdem.kernels.custom import Touch
+from warpdem.kernels.custom import Parameters, Touch
 from warpdem.kernels.kinematics import Kinematics
 from warpdem.kernels.laws import AVALANCHE, CUSTOM, Laws
 from warpdem.kernels.normal import hooke, hooke_predicted, onset
 from warpdem.kernels.precision import real
+from warpdem.kernels.variant import variant
 from warpdem.kernels.views import Material
 
 
@@ -115,6 +116,23 @@ def _avalanche(laws: Laws) -> wp.Function:
         return fn, part(motion, touch), material.en2 * k * touch.overlap
 
     return unloading
+
+
+def trial(law: wp.Function) -> wp.Kernel:
+    """Kernel of nothing but a custom law: it builds where the law does."""
+
+    @variant
+    def alone(
+        # in
+        touch: Touch,
+        motion: Kinematics,
+        parameters: Parameters,
+        # out
+        force: wp.array(dtype=real),
+    ):
+        force[0] = law(touch, motion, parameters)
+
+    return alone
 
 
 def _custom(law: wp.Function, laws: Laws) -> wp.Function:

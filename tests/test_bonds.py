@@ -13,6 +13,7 @@ from warpdem.checks.check import build_shapes, check
 from warpdem.errors import SceneError
 from warpdem.filling.placement import place
 from warpdem.input.scene import Scene
+from warpdem.input.scene_cell import Cell
 
 SIDE, ROUNDING = 0.1, 0.01
 GLUE = {"between": "inner", "rule": "faces", "tolerance": 1e-4, "kn": 1e6, "kt": 5e5}
@@ -77,6 +78,40 @@ def test_clusters_are_joined_by_one_bond_where_they_touch():
 def test_faces_beyond_the_tolerance_are_not_bonded():
     with pytest.raises(SceneError, match=r"joins nothing.*raise tolerance"):
         made(row([GLUE], [[0.0, 0.0, 0.0], [SIDE + 2e-4, 0.0, 0.0]]))
+
+
+def test_bonds_do_not_cross_the_boundary_of_a_cell():
+    apart = row([GLUE], [[0.05, 0.2, 0.2], [0.45, 0.2, 0.2]])
+    cell = {"size": [0.5, 0.5, 0.5]}
+    with pytest.raises(SceneError, match="as they lie, not across its boundary"):
+        made(apart.model_copy(update={"cell": Cell.model_validate(cell)}))
+    with pytest.raises(SceneError) as open_space:
+        made(apart)
+    assert "boundary" not in str(open_space.value)
+
+
+@pytest.mark.parametrize("walls", [True, False])
+def test_surfaces_given_by_a_formula_have_nothing_to_bond_to(walls):
+    contact = {"groups": ["default"] * 2, "kn": 1e6, "kt": 0.0, "en2": 1.0, "mu": 0.0}
+    stood = Scene.model_validate(
+        {
+            "run": {"duration": 1.0},
+            "shape": [
+                {"name": "cube", "kind": "box", "size": [SIDE] * 3, "rounding": ROUNDING},
+                {"name": "plane", "kind": "plane"},
+            ],
+            "body": [
+                {"shape": "cube", "position": [0.0, 0.0, SIDE / 2], "density": 2e3},
+                {"name": "floor", "shape": "plane", "position": [0.0] * 3, "fixed": True},
+            ],
+            "contact": [contact],
+            "bond": [GLUE | {"walls": walls}],
+        }
+    )
+    with pytest.raises(SceneError, match="joins nothing") as error:
+        made(stood)
+    told = '"floor" is a surface given by a formula' in str(error.value)
+    assert told is walls
 
 
 def test_two_entries_for_the_same_bodies_are_named():

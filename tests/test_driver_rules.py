@@ -5,11 +5,12 @@ import json
 import pytest
 from driving import plan, scene
 
-from warpdem.checks.check import build_shapes
+from warpdem.checks.check import build_shapes, check
 from warpdem.driving.plan import plan_of
 from warpdem.errors import SceneError
 from warpdem.filling.placement import place
 from warpdem.input.decode import loads
+from warpdem.simulation import Simulation
 
 
 @pytest.mark.parametrize(
@@ -151,3 +152,44 @@ def test_wall_that_follows_a_force_has_no_velocity_of_its_own_along_it():
     shapes = build_shapes(built)
     with pytest.raises(SceneError, match="velocity of its own"):
         plan_of(built, place(built, shapes), shapes)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("keys", "says"),
+    [
+        ({"z": "0.01 * sqrt(t)"}, r"z = .*: its velocity is inf at t = 0 s"),
+        ({"x": "0.01 * log(t - 0.1)"}, r"x = .*: its value is nan at t = 0 s"),
+        ({"ry": "10**10**10 * t"}, r"ry = .*: its value is nan at t = 0 s"),
+        ({"x": "sqrt(1.1234567 - t)", "start": 0.5}, r"x = .*: its value is nan at t = 1\.123"),
+        ({"x": "exp(40 * t)"}, r"x = .*: its velocity is .*at most 1e\+30"),
+        ({"x": "log(t - 3)", "start": 3.0}, r"x = .*: its value is -inf at t = 3 s"),
+    ],
+)
+def test_expression_that_is_not_finite_within_the_run_is_refused(keys, says):
+    driver = {"bodies": ["a"], "kind": "expression", **keys}
+    with pytest.raises(SceneError, match=says):
+        plan([driver])
+    assert "must be finite" in str(check(scene([driver])).problems[0])
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"x": "sqrt(2.1 - t)"},
+        {"x": "sqrt(1 - t)", "stop": 0.9},
+        {"x": "log(t)", "start": 0.5},
+        {"x": "sqrt(t - 3)", "start": 3.0},
+    ],
+)
+def test_expression_need_not_be_finite_outside_of_its_time(keys):
+    assert plan([{"bodies": ["a"], "kind": "expression", **keys}]).imposed
+
+
+@pytest.mark.filterwarnings("error")
+def test_what_an_expression_is_after_the_run_goes_unsaid():
+    turning = {"bodies": ["a"], "kind": "expression", "rx": "t / step(0.0105 - t)"}
+    built = scene([turning], run={"duration": 0.01, "dt": 1e-3})
+    simulation = Simulation(built, device="cpu", threads=1)
+    simulation.advance(0.01)
+    assert simulation.snapshot().spin[0, 0] == pytest.approx(1.0)

@@ -2,7 +2,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from warpdem.errors import SceneError
 from warpdem.input.consistency import consistency
+from warpdem.input.decode import loads
 from warpdem.input.scene import Contact, Scene
 from warpdem.input.scene_run import ROCKABLE, Numerics, Run
 
@@ -237,3 +239,30 @@ def test_a_contact_says_how_it_damps():
     law.pop("en2")
     with pytest.raises(ValidationError, match="damping_ratio"):
         Scene(**tables(contact=[{"groups": ["default", "default"], **law}]))
+
+
+@pytest.mark.parametrize(
+    ("text", "rule"),
+    [
+        ("", "lack a [[contact]]"),
+        (
+            """[[contact]]
+groups = ["a", "a"]
+law = "custom"
+file = "laws.py"
+kn = 1.0
+kt = 0.0
+mu = 0.0""",
+            "missing: law",
+        ),
+    ],
+)
+def test_a_rule_about_a_key_that_is_not_there_is_told_once(text, rule):
+    balls = "".join(
+        f'[[body]]\nshape = "ball"\ngroup = "a"\ndensity = 1.0\nposition = [{x}, 0, 0]\n'
+        for x in (0, 3)
+    )
+    shape = '[run]\nduration = 1.0\n[[shape]]\nname = "ball"\nkind = "sphere"\nradius = 1.0\n'
+    with pytest.raises(SceneError) as error:
+        loads(shape + balls + text)
+    assert str(error.value).count(rule) == 1

@@ -17,6 +17,7 @@ from warpdem.kernels.integrate import orient
 from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.neighbours import find_partners, incidence_keys
 from warpdem.lists import history_kernel
+from warpdem.materials import try_custom_laws
 from warpdem.stages import after_drift, cell_drift, cycle, kick
 
 if TYPE_CHECKING:
@@ -76,10 +77,18 @@ def load(
     share: Share,
     progress: Callable[[str], None],
 ) -> float:
-    """Load the modules of all kernels, compiling what the cache lacks; returns the seconds."""
+    """Load the modules of all kernels, compiling what the cache lacks; returns the seconds.
+
+    Raises:
+        SceneError: A custom law cannot be built.
+    """
     begin = time.perf_counter()
     kernels = kernels_of(model, state, lists, share)
     for number, (name, kernel) in enumerate(kernels.items(), 1):
         progress(f"kernels {number}/{len(kernels)}: {name}")
-        wp.load_module(kernel.module, device=model.device)
+        try:
+            wp.load_module(kernel.module, device=model.device)
+        except Exception:  # Warp raises whatever its parser met
+            try_custom_laws(model.features.custom, model.device)
+            raise
     return time.perf_counter() - begin

@@ -116,10 +116,11 @@ class Blocks:
     def _send(self, base: int, begins: FloatArray, dt: float) -> None:
         drives = self._drives
         ends = begins + dt
-        if self._features.stepwise:
+        # rows past the end of the run need not be finite
+        with np.errstate(all="ignore"):
             end = half = self._plan.path(ends)
-        else:
-            end, half = self._plan.path(ends), self._plan.path(begins + 0.5 * dt)
+            if not self._features.stepwise:
+                half = self._plan.path(begins + 0.5 * dt)
         drives.base.fill_(base)
         put(drives.position, end.position)
         put(drives.orientation, end.orientation[..., [1, 2, 3, 0]])

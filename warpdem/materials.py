@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
+import re
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,13 +15,26 @@ from warpdem.checks.restitution import damping_ratio
 from warpdem.errors import Problem, SceneError
 from warpdem.features import elastic_cap
 from warpdem.kernels.laws import AVALANCHE, CUSTOM, HOOKE
+from warpdem.kernels.normal_laws import trial
 from warpdem.kernels.views import Material
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from warpdem.features import Features
     from warpdem.filling.placement import Placement
     from warpdem.input.scene import Scene
     from warpdem.input.scene_contact import Contact
+
+PARSED = re.compile(
+    r'.*Error while parsing function "(?P<function>.*?)" at (?P<file>.*):(?P<line>\d+):\n'
+    r"(?P<code>[^\n]*)\n(?P<said>.*)",
+    re.DOTALL,
+)
+"""The last, innermost function that Warp tells of where it cannot translate one."""
+
+SHOWN = 300
+"""Letters of what Warp says that a message shows."""
 
 
 def materials(scene: Scene, placement: Placement, features: Features, device: Any) -> wp.array:
@@ -76,3 +91,33 @@ def load_custom_law(file: str, name: str) -> wp.Function:
     if not isinstance(law, wp.Function):
         raise SceneError(file, [Problem(file, name, "must be decorated with @wp.func")])
     return law
+
+
+def try_custom_laws(laws: Iterable[tuple[str, str]], device: Any) -> None:
+    """Build each custom law by itself, after a kernel could not be built.
+
+    Raises:
+        SceneError: Warp cannot translate some of them; carries all.
+    """
+    problems: dict[str, list[Problem]] = {}
+    for file, name in laws:
+        try:
+            wp.load_module(trial(load_custom_law(file, name)).module, device=device)
+        except Exception as fault:  # Warp raises whatever its parser met
+            if not (found := PARSED.search("".join(map(str, fault.args)))):
+                raise
+            problems.setdefault(file, []).append(_untranslated(file, name, found))
+    if problems:
+        every = [problem for found in problems.values() for problem in found]
+        raise SceneError(", ".join(problems), every)
+
+
+def _untranslated(file: str, name: str, found: re.Match[str]) -> Problem:
+    """What Warp says of a custom law, or of how it is called."""
+    said = textwrap.shorten(found["said"].lstrip(";"), SHOWN)
+    if found["function"] == "alone":
+        place, rule = file, f"Warp cannot call it as a law: {said}"
+    else:
+        place = f"{found['file']}:{found['line']}"
+        rule = f"Warp cannot translate '{found['code'].strip()}': {said}"
+    return Problem(place, name, f"{rule}; warpdem/kernels/custom.py says how a law is written")

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import warp as wp
 from laws import KN, MASS, RADIUS, head_on, imbalance, separation
 
 from scenes import ball, body, box, laboratory, record
@@ -102,6 +103,70 @@ def test_custom_law_stores_and_gives_back_the_energy_of_its_power_law():
 def test_a_custom_law_that_is_not_there_is_told(wrong, message):
     with pytest.raises(SceneError, match=message):
         head_on({**HERTZ, **wrong}, 1.0, 1e-4)
+
+
+WRONG = """
+import warp as wp
+from warpdem.kernels.custom import Kinematics, Parameters, Touch, real
+
+
+@wp.func
+def mixed(touch: Touch, motion: Kinematics, parameters: Parameters) -> real:
+    return touch.overlap * 3.0
+
+
+@wp.func
+def lonely(x: real) -> real:
+    return x
+
+
+@wp.func
+def searching(touch: Touch, motion: Kinematics, parameters: Parameters) -> real:
+    return touch.nothing
+
+
+@wp.func
+def unheard(touch: Touch, motion: Kinematics, parameters: Parameters) -> real:
+    return softness * touch.overlap
+
+
+@wp.func
+def coarse(touch: Touch, motion: Kinematics, parameters: Parameters):
+    return 3.0
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("mixed", r"wrong\.py:8  mixed: .*touch\.overlap \* 3\.0.*must be the same"),
+        ("lonely", r"wrong\.py  lonely: .*cannot call it as a law: .*overload"),
+        ("searching", r"wrong\.py:18  searching: .*`nothing` is not an attribute"),
+        ("unheard", r"wrong\.py:23  unheard: .*softness"),
+        ("coarse", r"wrong\.py  coarse: .*cannot call it as a law"),
+    ],
+)
+def test_a_custom_law_that_warp_cannot_translate_is_told(name, message, tmp_path):
+    (tmp_path / "wrong.py").write_text(WRONG)
+    wrong = {"law": "custom", "file": str(tmp_path / "wrong.py"), "normal": name}
+    with pytest.raises(SceneError, match=message) as error:
+        head_on(wrong, 1.0, 1e-4)
+    assert len(str(error.value).splitlines()) == 2
+
+
+def test_what_is_no_fault_of_a_custom_law_is_raised_as_it_is(monkeypatch):
+    load, calls = wp.load_module, []
+
+    def fails_once(module, device):
+        calls.append(module)
+        if len(calls) == 1:
+            raise RuntimeError('Error while parsing function "kick" at kick.py:1:\nx\n;no')
+        load(module, device=device)
+
+    monkeypatch.setattr(wp, "load_module", fails_once)
+    with pytest.raises(RuntimeError, match="kick"):
+        head_on(HERTZ, 1.0, 1e-4)
+    assert len(calls) == 2
 
 
 def settled(partnership):

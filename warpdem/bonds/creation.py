@@ -12,7 +12,7 @@ from warpdem.bonds.rules import joint
 from warpdem.bonds.sites import Sites, Solid, joined, near
 from warpdem.checks.overlap import overlaps
 from warpdem.errors import Problem, SceneError
-from warpdem.features import ranks
+from warpdem.features import ranks, surface_bodies
 from warpdem.input.decode import problem_at
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def bonds_of(
                 if len(made.sites):
                     found.append((i, j, number, made))
     problems = [
-        *_barren(scene, found),
+        *_barren(scene, placement, shapes, found),
         *_contested(scene, placement, found),
         *_flat(scene, placement, found),
     ]
@@ -135,15 +135,37 @@ def _named(scene: Scene, number: int) -> str:
     return f'bond "{scene.bond[number].name}"' if scene.bond[number].name else f"bond[{number}]"
 
 
-def _barren(scene: Scene, found: list[tuple[int, int, int, Joint]]) -> Iterator[Problem]:
+def _barren(
+    scene: Scene,
+    placement: Placement,
+    shapes: list[Polyhedron],
+    found: list[tuple[int, int, int, Joint]],
+) -> Iterator[Problem]:
     made = {number for _, _, number, _ in found}
+    surfaces = np.flatnonzero(surface_bodies(placement, shapes))
     for number, bond in enumerate(scene.bond):
         if number not in made:
             rule = (
                 f"joins nothing: no two bodies for it come within {bond.tolerance:g} m by rule "
                 f'"{bond.rule}"; raise tolerance, or look at cluster, groups, between and walls'
             )
+            if scene.cell and any(scene.cell.periodic):
+                rule += (
+                    "; in a periodic cell bodies are bonded as they lie, not across its boundary"
+                )
+            own = [k for k in map(int, surfaces) if _concerns(bond, placement, k)]
+            if own:
+                rule += (
+                    f'; "{placement.names[own[0]]}" is a surface given by a formula: planes, '
+                    f"cylinders and balls have no features to bond to, use a box or a polyhedron"
+                )
             yield problem_at(scene, ("bond", number), rule)
+
+
+def _concerns(bond: Bond, placement: Placement, body: int) -> bool:
+    """Whether a [[bond]] may be for a fixed body."""
+    group = placement.groups[placement.group[body]]
+    return bond.walls and (bond.groups is None or group in bond.groups)
 
 
 def _contested(

@@ -10,6 +10,7 @@ import numpy as np
 
 from warpdem.driving.curve import curve_of, exponential, motion, moving
 from warpdem.driving.expression import ExpressionError
+from warpdem.driving.rates import flaws
 from warpdem.driving.walls import Walls, walls_of
 from warpdem.errors import GeometryError, SceneError
 from warpdem.geometry.orientation import product, turned
@@ -109,7 +110,8 @@ def plan_of(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedr
     """The driven bodies of a placed scene.
 
     Raises:
-        SceneError: A table cannot be read, or a wall has no mass or no area; carries all.
+        SceneError: A table cannot be read, an expression is not finite within the run, or a wall
+            has no mass or no area; carries all.
     """
     number = {name: k for k, name in enumerate(placement.names)}
     own = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
@@ -137,6 +139,10 @@ def plan_of(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedr
                 places,
             )
         )
+        problems += [
+            problem_at(scene, ("driver", index, axis), rule, getattr(driver, axis))
+            for axis, rule in flaws(imposed[-1], scene.run.duration)
+        ]
     walls, faults = walls_of(scene, placement, polyhedra, place, len(bodies))
     faults += conflicts(scene, imposed, walls)
     faults += own_motion(scene, placement, walls, bodies)

@@ -20,6 +20,10 @@ class Bond(Section):
     All bonds of two bodies form one interface; when one of them yields the interface breaks, and
     the two bodies are in ordinary contact from then on. A pair of bodies takes its bonds from one
     [[bond]] only. A bond yields where (|ft|/ft0)^power + (|M|/m0)^power - fn/fn0 > 1.
+
+    Bodies are bonded as they lie at the start: in a periodic cell not across its boundary, with
+    an image of one another. Planes, cylinders and balls given by a formula have no features to
+    bond to.
     """
 
     name: str = ""

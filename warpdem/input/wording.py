@@ -112,6 +112,8 @@ def _fault(detail: dict[str, Any], data: Any) -> Fault | None:
 
 def path_of(detail: dict[str, Any], data: Any) -> Path:
     """Key path of a fault in the file: pydantic's, without the names of union members."""
+    if detail["type"] == "scene":  # of the rules across keys, which know it
+        return tuple(detail["loc"])
     path: Path = ()
     for place, part in enumerate(detail["loc"]):
         if place and isinstance(detail["loc"][place - 1], int) and part == entry(data, "kind"):
