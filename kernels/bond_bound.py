@@ -1,7 +1,7 @@
 """What the bonds add to the stiffness that bounds the time step."""
 
 import warp as wp
-from warpdem.kernels.measures import direction
+from warpdem.kernels.measures import largest_eigenvalue, pressed
 from warpdem.kernels.precision import mat66, real, vec3
 from warpdem.kernels.variant import plain
 from warpdem.kernels.views import Bodies, Bonds, Incidence, Inertia
@@ -45,18 +45,8 @@ def bond_bound(
             for bond in range(bonds.start[k], bonds.start[k + 1]):
                 arm = inverse * (bonds.point[bond] + shift)
                 n = inverse * bonds.normal[bond]
-                for axis in range(3):
-                    e = vec3()
-                    e[axis] = real(1.0)
-                    row = direction(e, arm, inverse_mass, inverse_moment)
-                    b += wp.outer(row, row) * (phi * law.kt)
-                    b[3 + axis, 3 + axis] += phi * law.kr * inverse_moment[axis]
-                row = direction(n, arm, inverse_mass, inverse_moment)
-                b += wp.outer(row, row) * (phi * wp.max(law.kn - law.kt, real(0.0)))
-    size = wp.trace(b)
-    if size > real(0.0):
-        b = b / size
-        b = b * b
-        b = b * b
-        b = b * b
-        square[body] = square[body] + size * wp.pow(wp.trace(b), real(0.125))
+                kn = phi * law.kn
+                kt = phi * law.kt
+                kr = phi * law.kr
+                b = pressed(b, arm, n, kn, kt, kr, inverse_mass, inverse_moment)
+    square[body] = square[body] + largest_eigenvalue(b)

@@ -7,6 +7,7 @@ are braked more. Where that exceeds what a step can follow the dashpots get a la
 import functools
 
 import warp as wp
+from warpdem.kernels.measures import largest_eigenvalue
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined
@@ -21,19 +22,6 @@ def implicit_share(decay: real) -> real:
     contact, or steps fine enough.
     """
     return real(0.5) * decay - real(0.125)
-
-
-@wp.func
-def largest_eigenvalue(b: mat33) -> real:
-    """Upper bound for a symmetric matrix without negative eigenvalues: trace(b^8)^(1/8)."""
-    size = wp.trace(b)
-    if size == real(0.0):
-        return real(0.0)
-    b = b / size
-    b = b * b
-    b = b * b
-    b = b * b
-    return size * wp.pow(wp.trace(b), real(0.125))
 
 
 @wp.func

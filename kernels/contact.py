@@ -133,6 +133,24 @@ def touch_of(laws: Laws) -> wp.Function:
     return touch_of
 
 
+@wp.func
+def spring_account(
+    now: vec3, carried: vec3, rate: vec3, keeps: real, share: real, before: real, stiffness: real
+):
+    """Energies of a tangential or rolling spring now and before [J], and the power it takes [W].
+
+    ``carried`` is what it kept of the last step, ``rate`` the velocity it works against at the
+    step's end; shares as in ``shared``.
+    """
+    stored = real(0.0)
+    had = real(0.0)
+    if stiffness > real(0.0):
+        old = carried / keeps
+        stored = wp.dot(now, now) / (real(2.0) * share * stiffness)
+        had = wp.dot(old, old) / (real(2.0) * before * stiffness)
+    return stored, had, wp.dot(now, rate)
+
+
 @functools.cache
 def friction_part(laws: Laws) -> wp.Function:
     """Function of a sub-contact's friction: force, energy stored now and before, power taken."""
@@ -158,11 +176,9 @@ def friction_part(laws: Laws) -> wp.Function:
         had = real(0.0)
         power = real(0.0)
         if wp.static(laws.account):
-            if law.kt > real(0.0):
-                stored = wp.dot(tangential, tangential) / (real(2.0) * share * law.kt)
-                old = carried / keeps
-                had = wp.dot(old, old) / (real(2.0) * before * law.kt)
-                power = wp.dot(tangential, motion.sliding_end)
+            stored, had, power = spring_account(
+                tangential, carried, motion.sliding_end, keeps, share, before, law.kt
+            )
         return tangential, stored, had, power
 
     return friction_part
@@ -196,10 +212,9 @@ def rolling_part(laws: Laws) -> wp.Function:
         had = real(0.0)
         power = real(0.0)
         if wp.static(laws.account):
-            stored = wp.dot(moment, moment) / (real(2.0) * share * law.kr)
-            old = carried / keeps
-            had = wp.dot(old, old) / (real(2.0) * before * law.kr)
-            power = wp.dot(moment, motion.spin_end)
+            stored, had, power = spring_account(
+                moment, carried, motion.spin_end, keeps, share, before, law.kr
+            )
         return moment, stored, had, power
 
     return rolling_part

@@ -1,6 +1,7 @@
 """What is measured on the device: the stiffness that bounds the time step."""
 
 import functools
+from typing import Any
 
 import warp as wp
 from warpdem.kernels.cell import real_vector
@@ -24,6 +25,44 @@ def direction(e: vec3, arm: vec3, inverse_mass: real, inverse_moment: vec3) -> v
     )
 
 
+@wp.func
+def pressed(
+    b: mat66,
+    arm: vec3,
+    n: vec3,
+    kn: real,
+    kt: real,
+    kr: real,
+    inverse_mass: real,
+    inverse_moment: vec3,
+) -> mat66:
+    """``b`` with the mass-scaled stiffness of one more contact or bond: I kt + n n (kn - kt), kr.
+
+    Arm and unit normal in the principal frame.
+    """
+    for axis in range(3):
+        e = vec3()
+        e[axis] = real(1.0)
+        row = direction(e, arm, inverse_mass, inverse_moment)
+        b += wp.outer(row, row) * kt
+        b[3 + axis, 3 + axis] += kr * inverse_moment[axis]
+    row = direction(n, arm, inverse_mass, inverse_moment)
+    return b + wp.outer(row, row) * wp.max(kn - kt, real(0.0))
+
+
+@wp.func
+def largest_eigenvalue(b: Any) -> real:
+    """Upper bound for a symmetric matrix without negative eigenvalues: trace(b^8)^(1/8)."""
+    size = wp.trace(b)
+    if size == real(0.0):
+        return real(0.0)
+    b = b / size
+    b = b * b
+    b = b * b
+    b = b * b
+    return size * wp.pow(wp.trace(b), real(0.125))
+
+
 @functools.cache
 def frequency_bound(partnership: str, *, periodic: bool) -> wp.Kernel:
     """Kernel of a bound of each body's highest frequency."""
@@ -44,7 +83,7 @@ def frequency_bound(partnership: str, *, periodic: bool) -> wp.Kernel:
     ):
         """Upper bound of the square of the highest frequency that each body takes part in [1/s^2].
 
-        B = sum phi K, 6x6, phi = 2 where both bodies move; lambda_max(M^-1 B) <= trace(A^8)^(1/8).
+        B = sum phi K, 6x6, phi = 2 where both bodies move.
         """
         body = wp.tid()
         inverse_mass = inertia.inverse_mass[body]
@@ -82,21 +121,7 @@ def frequency_bound(partnership: str, *, periodic: bool) -> wp.Kernel:
                 kn *= soft
                 kt = law.kt * soft
                 kr = law.kr * soft
-                for axis in range(3):
-                    # I kt + n n (kn - kt), as rows along the axes and along n
-                    e = vec3()
-                    e[axis] = real(1.0)
-                    row = direction(e, arm, inverse_mass, inverse_moment)
-                    b += wp.outer(row, row) * (phi * kt)
-                    b[3 + axis, 3 + axis] += phi * kr * inverse_moment[axis]
-                row = direction(n, arm, inverse_mass, inverse_moment)
-                b += wp.outer(row, row) * (phi * wp.max(kn - kt, real(0.0)))
-        size = wp.trace(b)
-        if size > real(0.0):
-            b = b / size
-            b = b * b
-            b = b * b
-            b = b * b
-            square[body] = size * wp.pow(wp.trace(b), real(0.125))
+                b = pressed(b, arm, n, phi * kn, phi * kt, phi * kr, inverse_mass, inverse_moment)
+        square[body] = largest_eigenvalue(b)
 
     return frequency_bound

@@ -45,6 +45,20 @@ def glued(bonds: Bonds, i: int, j: int) -> bool:
     return bonds.partner[k] == j and bonds.state[k] == 1
 
 
+@functools.cache
+def not_glued(*, bonds: bool) -> wp.Function:
+    """Function of whether no intact interface joins two bodies; without ``bonds`` none does."""
+
+    @inlined()
+    def not_glued(glue: Bonds, i: int, j: int) -> bool:
+        free = bool(True)
+        if wp.static(bonds):
+            free = not glued(glue, i, j)
+        return free
+
+    return not_glued
+
+
 @wp.func
 def insert(partners: wp.array(dtype=wp.int32), first: int, last: int, partner: int):
     """Put ``partner`` into the sorted slice first .. last."""
@@ -58,6 +72,7 @@ def insert(partners: wp.array(dtype=wp.int32), first: int, last: int, partner: i
 @functools.cache
 def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.Kernel:
     """Kernel that counts, or writes in ascending order, the partners each body owns."""
+    apart = not_glued(bonds=bonds)
 
     @variant
     def find_partners(
@@ -88,11 +103,8 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
         if geometry.large[i] == 0:
             for j in wp.hash_grid_query(grid, x, geometry.bound[i] + grid_bound + skin):
                 if geometry.large[j] == 0 and owns(geometry, inertia, i, j):
-                    near = bodies_near(geometry, bodies, i, j, x - bodies.position[j], skin)
-                    if wp.static(bonds):
-                        if near:
-                            near = not glued(glue, i, j)
-                    if near:
+                    d = x - bodies.position[j]
+                    if bodies_near(geometry, bodies, i, j, d, skin) and apart(glue, i, j):
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1
@@ -107,11 +119,8 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
             while wp.bvh_query_next(query, item):
                 j = tree_body[item]
                 if j != i and owns(geometry, inertia, i, j):
-                    near = bodies_near(geometry, bodies, i, j, x - bodies.position[j], skin)
-                    if wp.static(bonds):
-                        if near:
-                            near = not glued(glue, i, j)
-                    if near:
+                    d = x - bodies.position[j]
+                    if bodies_near(geometry, bodies, i, j, d, skin) and apart(glue, i, j):
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1
@@ -119,11 +128,7 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
             for k in range(surface_body.shape[0]):
                 j = surface_body[k]
                 if owns(geometry, inertia, i, j):
-                    near = surface_near(geometry, bodies, i, j, skin)
-                    if wp.static(bonds):
-                        if near:
-                            near = not glued(glue, i, j)
-                    if near:
+                    if surface_near(geometry, bodies, i, j, skin):
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1

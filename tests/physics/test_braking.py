@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from test_laws import of
-from warpdem.kernels.braking import coupled, implicit_share, largest_eigenvalue
+from warpdem.kernels.braking import coupled, implicit_share
+from warpdem.kernels.measures import largest_eigenvalue
 from warpdem.kernels.precision import mat33
 
 from scenes import body, box, laboratory, law

@@ -136,6 +136,13 @@ def box(
     """
     extent = np.array(size, float) - 2.0 * radius
     extent[extent <= 1e-12 * np.array(size)] = 0.0  # 2 (a/2) is a, but 2 (0.1 * 3 / 2) is not 0.3
+    return _around(name, extent, radius, declared)
+
+
+def _around(
+    name: str, extent: FloatArray, radius: float, declared: Declared | None = None
+) -> Polyhedron:
+    """A box about the origin, rounded; ``extent`` of its core, which may be a segment [m]."""
     if declared is None:
         mass = rounded_box(extent, radius)
         declared = (mass.volume, tuple(np.diag(mass.inertia_over_mass)))
@@ -159,19 +166,7 @@ def capsule(name: str, length: float, radius: float) -> Polyhedron:
         length: Of the segment [m].
         radius: Of the rounding [m].
     """
-    extent = np.array([0.0, 0.0, length])
-    mass = rounded_box(extent, radius)
-    vertices, edges, faces = _box_core(extent)
-    declared = (mass.volume, tuple(np.diag(mass.inertia_over_mass)))
-    return build(
-        vertices,
-        faces,
-        name=name,
-        radius=radius,
-        edges=edges,
-        declared=declared,
-        keep_features=True,
-    )
+    return _around(name, np.array([0.0, 0.0, length]), radius)
 
 
 def analytic(name: str, surface: Analytic) -> Polyhedron:
