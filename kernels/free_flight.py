@@ -1,0 +1,164 @@
+"""Rocks in the air: the gyroscopic step, the parabola, and how long the air is surely free.
+
+Leine et al. (2014), doi:10.1007/s11044-013-9393-4; the spin's matrix is taken at the middle of the
+step, which makes it second order at the same cost.
+"""
+
+import functools
+
+import warp as wp
+from warpdem.kernels.fall_views import FOREST, TREE, Motion, Obstacles, Rocks, Rules, Terrain
+from warpdem.kernels.ground import column_of, row_of
+from warpdem.kernels.precision import mat33, quat, real, vec3
+from warpdem.kernels.variant import inlined
+
+
+@wp.func
+def turned_by(q: quat, spin: vec3, at: quat, h: real) -> quat:
+    """``q`` + h dq/dt for a body spin at the orientation ``at``, at length one."""
+    rate = at * quat(spin[0], spin[1], spin[2], real(0.0))
+    return wp.normalize(q + rate * (real(0.5) * h))
+
+
+@wp.func
+def gyroscopic_axis(theta: vec3, spin: vec3) -> vec3:
+    """k of T(W) = W~ Theta + Theta W~, the skew matrix of k: T(W) W = W x Theta W."""
+    return vec3(
+        spin[0] * (theta[1] + theta[2]),
+        spin[1] * (theta[0] + theta[2]),
+        spin[2] * (theta[0] + theta[1]),
+    )
+
+
+@wp.func
+def spin_at_start(theta: vec3, spin: vec3, h: real) -> vec3:
+    """W* of the published scheme: first order."""
+    return spin
+
+
+@wp.func
+def spin_at_middle(theta: vec3, spin: vec3, h: real) -> vec3:
+    """W* predicted for the middle of the step: second order."""
+    return spin - real(0.5) * h * wp.cw_div(wp.cross(spin, wp.cw_mul(theta, spin)), theta)
+
+
+@wp.func
+def sharp_inverse(theta: vec3, k: vec3, h: real) -> mat33:
+    """(Theta + h/2 k~)^-1, with which the energy of free spin is kept to round-off."""
+    a = (real(0.5) * h) * k
+    d = wp.cw_mul(theta, a)
+    determinant = theta[0] * theta[1] * theta[2] + wp.dot(a, d)
+    cofactor = wp.diag(vec3(theta[1] * theta[2], theta[0] * theta[2], theta[0] * theta[1]))
+    return (cofactor + wp.outer(a, a) - wp.skew(d)) * (real(1.0) / determinant)
+
+
+@functools.cache
+def fly(middle_spin: wp.Function, *, forest: bool) -> wp.Function:
+    """Function of a rock that touches nothing for a time ``h``: an exact parabola.
+
+    Under trees of drag c: v' = g - (c/m) v, exactly.
+    """
+
+    @wp.func
+    def fly(rules: Rules, motion: Motion, theta: vec3, drag: real, h: real) -> Motion:
+        k = gyroscopic_axis(theta, middle_spin(theta, motion.spin, h))
+        spin = motion.spin - h * (sharp_inverse(theta, k, h) @ wp.cross(k, motion.spin))
+        middle = turned_by(motion.orientation, motion.spin, motion.orientation, real(0.5) * h)
+        ended = motion
+        ended.orientation = turned_by(
+            motion.orientation, real(0.5) * (motion.spin + spin), middle, h
+        )
+        ended.spin = spin
+        ended.velocity = motion.velocity + h * rules.gravity
+        ended.position = motion.position + h * (motion.velocity + real(0.5) * h * rules.gravity)
+        if wp.static(forest):
+            if drag > real(0.0):
+                kept = wp.exp(-drag * h)
+                mean = (real(1.0) - kept) / (drag * h)  # of exp(-drag t) over the step
+                final = rules.gravity / drag
+                ended.velocity = final + kept * (motion.velocity - final)
+                ended.position = motion.position + h * (final + mean * (motion.velocity - final))
+        ended.time = motion.time + h
+        ended.scar = real(0.0)
+        ended.touching = int(0)
+        ended.near_ground = int(0)
+        return ended
+
+    return fly
+
+
+@inlined()
+def step_length(rules: Rules, motion: Motion, bound: real) -> real:
+    """Time step of a rock [s]: no point of it moves more than a part of its size."""
+    dt = rules.dt
+    speed = wp.length(motion.velocity)
+    if rules.stride > real(0.0):
+        fastest = speed + bound * wp.length(motion.spin) + real(1.0e-12)
+        dt = wp.clamp(rules.stride * bound / fastest, real(0.01) * rules.dt, rules.dt)
+    return wp.min(dt, rules.travel / (speed + real(1.0e-12)))
+
+
+@functools.cache
+def canopy_drag(ground: wp.Function) -> wp.Function:
+    """Function of the drag of the forest over the mass [1/s]; 0 outside and above it."""
+
+    @inlined()
+    def canopy_drag(
+        terrain: Terrain, obstacles: Obstacles, position: vec3, inverse_mass: real
+    ) -> real:
+        drag = real(0.0)
+        stand = terrain.stand_of[row_of(terrain, position[1]), column_of(terrain, position[0])]
+        if stand >= 0:
+            height = position[2] - ground(terrain, position[0], position[1])[0]
+            if height < obstacles.stand_height[stand]:
+                drag = obstacles.stand_drag[stand] * inverse_mass
+        return drag
+
+    return canopy_drag
+
+
+@functools.cache
+def free_steps(ground: wp.Function, *, jumps: bool, obstacles: bool) -> wp.Function:
+    """Function of how many steps a rock surely touches nothing; 0: its vertices must be tried.
+
+    Its bounding sphere is above every surface of the neighbourhood's largest slope L through the
+    ground below it while z - h > R sqrt(1 + L^2); from the same bound the parabola is free while
+    clear + (v_z - L v_h) t - g t^2 / 2 > 0, within the neighbourhood.
+    """
+
+    @inlined()
+    def free_steps(
+        terrain: Terrain, rocks: Rocks, rules: Rules, motion: Motion, rock: int, dt: real
+    ) -> int:
+        at = motion.position
+        i = column_of(terrain, at[0])
+        j = row_of(terrain, at[1])
+        slope = terrain.steep[j, i]
+        bound = rocks.bound[rock]
+        clear = at[2] - ground(terrain, at[0], at[1])[0]
+        clear -= bound * wp.sqrt(real(1.0) + slope * slope)
+        steps = int(0)
+        if clear > real(0.0):
+            v = motion.velocity
+            level = wp.sqrt(v[0] * v[0] + v[1] * v[1]) + real(1.0e-12)
+            g = -rules.gravity[2]
+            rise = v[2] - slope * level
+            safe = (rise + wp.sqrt(rise * rise + real(2.0) * g * clear)) / g
+            safe = wp.min(safe, (terrain.reach - bound) / level)
+            if wp.static(jumps):
+                safe = wp.min(safe, rules.travel / level)
+            steps = wp.max(0, int(safe / dt))
+            if wp.static(jumps):
+                turn = wp.length(motion.spin) * dt + real(1.0e-12)
+                steps = wp.min(steps, wp.max(1, int(rules.jump_angle / turn)))
+            else:
+                steps = wp.min(steps, 1)
+            if wp.static(obstacles):
+                near = terrain.near[j, i]
+                if (near & FOREST) != 0:
+                    steps = wp.min(steps, 1)
+                if (near & TREE) != 0:
+                    steps = int(0)
+        return steps
+
+    return free_steps

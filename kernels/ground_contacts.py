@@ -1,0 +1,172 @@
+"""Closed contacts of a rock with ground and trunks in the middle of a step."""
+
+import functools
+
+import warp as wp
+from warpdem.kernels.fall_views import (
+    DROPPED,
+    TREE,
+    Contact,
+    Flights,
+    Obstacles,
+    Rocks,
+    Terrain,
+)
+from warpdem.kernels.ground import column_of, row_of, upward_normal
+from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.variant import inlined
+
+
+@wp.struct
+class Touched:
+    """What a rock touches: number of closed contacts, depth of the deepest [m]."""
+
+    count: int
+    depth: real
+
+
+@inlined()
+def admit(flights: Flights, slot: int, count: int, contact: Contact) -> int:
+    """Put a contact into the list; when that is full, the shallowest one is left out, counted."""
+    place = count
+    capacity = flights.contact.shape[1]
+    if count == capacity:
+        flights.count[slot, DROPPED] += 1
+        place = int(0)
+        for c in range(capacity):
+            if flights.contact[slot, c].gap > flights.contact[slot, place].gap:
+                place = c
+        if flights.contact[slot, place].gap <= contact.gap:
+            return count
+        flights.contact[slot, place] = contact
+        return count
+    flights.contact[slot, place] = contact
+    return count + 1
+
+
+@functools.cache
+def touch_ground(ground: wp.Function, *, rounded: bool) -> wp.Function:
+    """Function that lists the vertices at or below the ground, with their last percussions."""
+
+    @inlined()
+    def touch_ground(
+        terrain: Terrain,
+        rocks: Rocks,
+        rock: int,
+        centre: vec3,
+        turn: mat33,
+        friction: real,
+        warm: int,
+        flights: Flights,
+        slot: int,
+    ) -> Touched:
+        touched = Touched()
+        for i in range(rocks.vertex_count[rock]):
+            arm = turn @ rocks.vertex[rock, i]
+            place = centre + arm
+            under = ground(terrain, place[0], place[1])
+            gap = place[2] - under[0]
+            if wp.static(rounded):
+                slope = wp.sqrt(real(1.0) + under[1] * under[1] + under[2] * under[2])
+                gap -= rocks.rounding[rock] * slope
+            if gap <= real(0.0):
+                contact = Contact()
+                contact.vertex = i
+                contact.gap = gap
+                contact.friction = friction
+                contact.normal = upward_normal(under)
+                contact.arm = arm
+                if wp.static(rounded):
+                    contact.arm = arm - rocks.rounding[rock] * contact.normal
+                if warm == 1:
+                    contact.percussion = flights.percussion[slot, i]
+                touched.count = admit(flights, slot, touched.count, contact)
+                touched.depth = wp.max(touched.depth, -gap)
+            flights.percussion[slot, i] = vec3()
+        return touched
+
+    return touch_ground
+
+
+@inlined()
+def sink(flights: Flights, slot: int, touched: Touched, scar: real) -> Touched:
+    """The contacts with the hard ground, ``scar`` below the surface; the others are taken out."""
+    left = Touched()
+    for c in range(touched.count):
+        contact = flights.contact[slot, c]
+        if contact.gap + scar <= real(0.0):
+            contact.gap = contact.gap + scar
+            flights.contact[slot, left.count] = contact
+            left.count += 1
+            left.depth = wp.max(left.depth, -contact.gap)
+    return left
+
+
+@wp.func
+def nearest_on(a: vec3, b: vec3) -> vec3:
+    """Point of the segment a b that is nearest to the z axis."""
+    along = b - a
+    length = along[0] * along[0] + along[1] * along[1]
+    part = real(0.0)
+    if length > real(0.0):
+        part = wp.clamp(-(a[0] * along[0] + a[1] * along[1]) / length, real(0.0), real(1.0))
+    return a + part * along
+
+
+@inlined()
+def touch_tree(
+    obstacles: Obstacles, rocks: Rocks, rock: int, centre: vec3, turn: mat33, tree: int
+) -> Contact:
+    """Contact of a rock with a trunk; its gap is positive when there is none.
+
+    Seen from above a convex rock outside the axis is nearest to it with one of its edges.
+    """
+    trunk = obstacles.tree[tree]
+    axis = vec3(trunk[0], trunk[1], real(0.0))
+    nearest = vec3()
+    closest = real(1.0e300)
+    for k in range(rocks.edge_count[rock]):
+        edge = rocks.edge[rock, k]
+        a = centre + turn @ rocks.vertex[rock, edge[0]] - axis
+        b = centre + turn @ rocks.vertex[rock, edge[1]] - axis
+        place = nearest_on(a, b)
+        distance = wp.sqrt(place[0] * place[0] + place[1] * place[1])
+        if distance < closest:
+            closest = distance
+            nearest = place
+    contact = Contact()
+    contact.vertex = int(-1)
+    contact.friction = obstacles.tree_friction[tree]
+    contact.normal = wp.normalize(vec3(nearest[0], nearest[1], real(0.0)))
+    contact.arm = nearest + axis - centre - rocks.rounding[rock] * contact.normal
+    contact.gap = closest - trunk[2] - rocks.rounding[rock]
+    if nearest[2] > obstacles.tree_top[tree] or closest == real(0.0):
+        contact.gap = real(1.0)
+    return contact
+
+
+@inlined()
+def touch_trees(
+    terrain: Terrain,
+    obstacles: Obstacles,
+    rocks: Rocks,
+    rock: int,
+    centre: vec3,
+    turn: mat33,
+    flights: Flights,
+    slot: int,
+    touched: Touched,
+) -> Touched:
+    """Add the contacts with the trunks near the rock."""
+    all_touched = touched
+    i = column_of(terrain, centre[0])
+    j = row_of(terrain, centre[1])
+    if (terrain.near[j, i] & TREE) != 0:
+        number = j * terrain.columns + i
+        for k in range(obstacles.tree_start[number], obstacles.tree_start[number + 1]):
+            tree = obstacles.tree_member[k]
+            contact = touch_tree(obstacles, rocks, rock, centre, turn, tree)
+            if contact.gap <= real(0.0):
+                all_touched.count = admit(flights, slot, all_touched.count, contact)
+                all_touched.depth = wp.max(all_touched.depth, -contact.gap)
+    return all_touched

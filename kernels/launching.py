@@ -1,0 +1,113 @@
+"""Puts rocks into their slots, and packs what they passed."""
+
+import functools
+
+import warp as wp
+from warpdem.kernels.fall_views import (
+    LARGEST,
+    LARGEST_COUNT,
+    MOVING,
+    Crossing,
+    Flights,
+    Motion,
+    ResultGrid,
+    Rocks,
+    Rules,
+    Terrain,
+    Visit,
+    Window,
+)
+from warpdem.kernels.passages import larger, result_cell, values_on, way_of
+from warpdem.kernels.precision import quat, real, vec3
+from warpdem.kernels.variant import plain, variant
+
+
+@functools.cache
+def begin(ground: wp.Function) -> wp.Kernel:
+    """Kernel that puts a rock into each slot of a list, at the start of its trajectory."""
+    values = values_on(ground)
+
+    @variant
+    def begin(
+        # model
+        terrain: Terrain,
+        rocks: Rocks,
+        rules: Rules,
+        grid: ResultGrid,
+        # in
+        slots: wp.array(dtype=wp.int32),
+        rock: wp.array(dtype=wp.int32),
+        position: wp.array(dtype=vec3),
+        orientation: wp.array(dtype=quat),
+        velocity: wp.array(dtype=vec3),
+        spin: wp.array(dtype=vec3),
+        # out
+        flights: Flights,
+    ):
+        k = wp.tid()
+        slot = slots[k]
+        motion = Motion()
+        motion.position = position[k]
+        motion.orientation = orientation[k]
+        motion.velocity = velocity[k]
+        motion.spin = wp.quat_rotate_inv(orientation[k], spin[k])
+        window = Window()
+        window.position = motion.position
+        window.orientation = motion.orientation
+        flights.rock[slot] = rock[k]
+        flights.fate[slot] = MOVING
+        flights.motion[slot] = motion
+        flights.window[slot] = window
+        for i in range(flights.count.shape[1]):
+            flights.count[slot, i] = 0
+        for i in range(flights.measure.shape[1]):
+            flights.measure[slot, i] = real(0.0)
+        way = way_of(rocks, rules, rock[k], motion, motion)
+        first = values(terrain, way, real(0.0))
+        for i in range(LARGEST_COUNT):
+            flights.measure[slot, LARGEST + i] = first[i]
+        visit = Visit()
+        visit.cell = result_cell(grid, motion.position)
+        flights.here[slot] = larger(visit, first)
+
+    return begin
+
+
+@plain
+def pack_visits(
+    # in
+    active: wp.array(dtype=wp.int32),
+    start: wp.array(dtype=wp.int32),
+    # in and out
+    flights: Flights,
+    # out
+    owner: wp.array(dtype=wp.int32),
+    packed: wp.array(dtype=Visit),
+):
+    """The visits that ended in the last launch, slot after slot; their buffers are empty then."""
+    k = wp.tid()
+    slot = active[k]
+    for i in range(flights.visit_count[slot]):
+        owner[start[k] + i] = slot
+        packed[start[k] + i] = flights.visit[slot, i]
+    flights.visit_count[slot] = 0
+
+
+@plain
+def pack_crossings(
+    # in
+    active: wp.array(dtype=wp.int32),
+    start: wp.array(dtype=wp.int32),
+    # in and out
+    flights: Flights,
+    # out
+    owner: wp.array(dtype=wp.int32),
+    packed: wp.array(dtype=Crossing),
+):
+    """The crossings of the last launch, slot after slot; their buffers are empty then."""
+    k = wp.tid()
+    slot = active[k]
+    for i in range(flights.crossing_count[slot]):
+        owner[start[k] + i] = slot
+        packed[start[k] + i] = flights.crossing[slot, i]
+    flights.crossing_count[slot] = 0

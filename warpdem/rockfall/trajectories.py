@@ -1,0 +1,313 @@
+"""Flies bundles of trajectories on a device: many passes a launch, then compaction and refill."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import warp as wp
+
+from warpdem.devices import find_device
+from warpdem.geometry.orientation import matrix
+from warpdem.kernels.fall_views import (
+    Contact,
+    Crossing,
+    Iterates,
+    Motion,
+    Visit,
+    Window,
+)
+from warpdem.kernels.fall_views import Flights as Slots
+from warpdem.kernels.launching import begin, pack_crossings, pack_visits
+from warpdem.kernels.precision import quat, real, vec3
+from warpdem.kernels.trajectory import advance
+from warpdem.rockfall.device import TRAVEL_CELLS, place_of
+from warpdem.rockfall.flights import COUNTS, MEASURES, Crossings, Fate, Flights, Visits
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from warpdem.arrays import FloatArray, IntArray
+    from warpdem.rockfall.flights import Method, Starts
+    from warpdem.rockfall.rock import Rock
+    from warpdem.rockfall.site import Site
+
+CONTACT_ROOM = 16
+"""Closed contacts a rock can have at once; of more the deepest, and the others are counted."""
+
+PASSES = 512
+"""Passes of a launch: some ten milliseconds for the slots of a host thread."""
+
+VISIT_ROOM = 64
+"""Visits that a launch may end before it stops; one pass may add ``PASS_VISITS`` more."""
+
+PASS_VISITS = 2 * TRAVEL_CELLS + 4
+
+CROSSING_ROOM = 16
+"""The same for crossings; one pass may add one of each piece of a barrier."""
+
+MOST_PIECES = 240
+"""Pieces that one pass can cross; beyond that its crossings are counted as dropped."""
+
+
+class Stopped(Exception):  # noqa: N818 - it is no fault
+    """A bundle was given up because somebody asked for it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Where one followed rock was, at some times in order.
+
+    Attributes:
+        time: [s], shape [n].
+        position: Local [m], shape [n, 3].
+        orientation: w, x, y, z, shape [n, 4].
+        velocity: [m/s], shape [n, 3].
+        spin: World axes [rad/s], shape [n, 3].
+        contact: Whether it pressed on the ground, shape [n].
+    """
+
+    time: FloatArray
+    position: FloatArray
+    orientation: FloatArray
+    velocity: FloatArray
+    spin: FloatArray
+    contact: np.ndarray
+
+
+class Trajectories:
+    """The trajectories of a site's rocks; one instance a host thread.
+
+    Args:
+        site: What they fall on.
+        rocks: The rocks, in the order that ``Starts.rock`` counts.
+        method: How they are stepped.
+        device: A Warp device or its name.
+        slots: Rocks in motion at once; results do not depend on it.
+        passes: Of a launch; results do not depend on it either.
+        visits: Whether to record the cells passed.
+    """
+
+    def __init__(
+        self,
+        site: Site,
+        rocks: Sequence[Rock],
+        method: Method,
+        *,
+        device: Any = "cpu",
+        slots: int = 128,
+        passes: int = PASSES,
+        visits: bool = True,
+    ) -> None:
+        self.device = find_device(device) if isinstance(device, str) else device
+        self._place = place_of(site, rocks, method, self.device, visits=visits)
+        self._passes = passes
+        self._room = slots
+        self._slots = self._allocate(slots)
+        ground = self._place.parts.ground
+        self._begin, self._advance = begin(ground), advance(self._place.parts)
+
+    def load(self) -> None:
+        """Load the kernels, compiling what the cache lacks."""
+        for kernel in (self._begin, self._advance, pack_visits):
+            wp.load_module(kernel.module, device=self.device)
+
+    def fly(self, starts: Starts, *, stop: Callable[[], bool] | None = None) -> Flights:
+        """Trajectories from their starts to their ends.
+
+        Args:
+            starts: The rocks; any number.
+            stop: Asked between launches whether to give up.
+
+        Raises:
+            Stopped: ``stop`` said so.
+        """
+        count = len(starts.id)
+        ended = _Ended(count)
+        queue = np.arange(count)
+        owner = np.full(self._room, -1)  # row of ``starts`` in each slot
+        while True:
+            free = np.flatnonzero(owner < 0)[: len(queue)]
+            if len(free):
+                owner[free] = queue[: len(free)]
+                queue = queue[len(free) :]
+                self._begin_in(free, starts, owner[free])
+            active = np.flatnonzero(owner >= 0)
+            if not len(active):
+                return ended.flights(starts)
+            if stop and stop():
+                raise Stopped
+            self._launch(active, self._passes)
+            self._collect(active, owner, ended)
+
+    def follow(self, starts: Starts, every: float) -> list[Sample]:
+        """The ways of a few rocks, in samples at least ``every`` [s] apart, ends included."""
+        return [self._follow_one(starts, row, every) for row in range(len(starts.id))]
+
+    def _follow_one(self, starts: Starts, row: int, every: float) -> Sample:
+        slot = np.zeros(1, np.int64)
+        self._begin_in(slot, starts, np.array([row]))
+        kept = [self._motion()[0].copy()]
+        moving = True
+        while moving:
+            self._launch(slot, 1)
+            self._slots.visit_count.zero_()
+            self._slots.crossing_count.zero_()
+            now = self._motion()[0]
+            moving = self._slots.fate.numpy()[0] == Fate.MOVING
+            if not moving or now["time"] - kept[-1]["time"] >= every:
+                kept.append(now.copy())
+        return _sample(np.array(kept))
+
+    def _motion(self) -> np.ndarray:
+        return self._slots.motion.numpy()
+
+    def _allocate(self, slots: int) -> Slots:
+        view, place = Slots(), self._place
+        crossings = CROSSING_ROOM + min(place.piece_count, MOST_PIECES)
+        shapes: dict[str, tuple[Any, tuple[int, ...]]] = {
+            "rock": (wp.int32, (slots,)),
+            "fate": (wp.int32, (slots,)),
+            "motion": (Motion, (slots,)),
+            "window": (Window, (slots,)),
+            "count": (wp.int32, (slots, len(COUNTS))),
+            "measure": (real, (slots, len(MEASURES))),
+            "percussion": (vec3, (slots, place.vertex_room)),
+            "contact": (Contact, (slots, CONTACT_ROOM)),
+            "iterates": (Iterates, (slots, CONTACT_ROOM)),
+            "here": (Visit, (slots,)),
+            "visit_count": (wp.int32, (slots,)),
+            "crossing_count": (wp.int32, (slots,)),
+        }
+        if place.parts.visits:
+            shapes["visit"] = (Visit, (slots, VISIT_ROOM + PASS_VISITS))
+        if place.parts.screens:
+            shapes["crossing"] = (Crossing, (slots, crossings))
+        for name, (kind, shape) in shapes.items():
+            setattr(view, name, wp.zeros(shape, dtype=kind, device=self.device))
+        return view
+
+    def _begin_in(self, slots: IntArray, starts: Starts, rows: IntArray) -> None:
+        place, device = self._place, self.device
+        orientation = starts.orientation[rows][:, [1, 2, 3, 0]]
+        given = (
+            wp.array(slots.astype(np.int32), dtype=wp.int32, device=device),
+            wp.array(starts.rock[rows].astype(np.int32), dtype=wp.int32, device=device),
+            wp.array(starts.position[rows], dtype=vec3, device=device),
+            wp.array(orientation, dtype=quat, device=device),
+            wp.array(starts.velocity[rows], dtype=vec3, device=device),
+            wp.array(starts.spin[rows], dtype=vec3, device=device),
+        )
+        shared = (place.terrain, place.rocks, place.rules, place.grid)
+        self._run(self._begin, len(slots), (*shared, *given, self._slots))
+
+    def _launch(self, active: IntArray, passes: int) -> None:
+        place = self._place
+        self._active = wp.array(active.astype(np.int32), dtype=wp.int32, device=self.device)
+        shared = (place.terrain, place.rocks, place.classes, place.obstacles, place.rules)
+        given = (place.grid, passes, VISIT_ROOM, CROSSING_ROOM, self._active, self._slots)
+        self._run(self._advance, len(active), (*shared, *given))
+
+    def _collect(self, active: IntArray, owner: IntArray, ended: _Ended) -> None:
+        """Take what the rocks passed, and those that ended, off their slots."""
+        if self._place.parts.visits:
+            ended.visits.append(self._packed(pack_visits, "visit", active, owner))
+        if self._place.parts.screens:
+            ended.crossings.append(self._packed(pack_crossings, "crossing", active, owner))
+        fate = self._slots.fate.numpy()
+        done = active[fate[active] != Fate.MOVING]
+        if len(done):
+            rows = owner[done]
+            ended.fate[rows] = fate[done]
+            ended.motion[rows] = self._motion()[done]
+            ended.count[rows] = self._slots.count.numpy()[done]
+            ended.measure[rows] = self._slots.measure.numpy()[done]
+            owner[done] = -1
+
+    def _packed(
+        self, kernel: wp.Kernel, name: str, active: IntArray, owner: IntArray
+    ) -> tuple[IntArray, np.ndarray]:
+        """Rows of ``starts`` and the records of one kind of the last launch."""
+        counts = getattr(self._slots, f"{name}_count").numpy()[active]
+        start = np.concatenate([[0], np.cumsum(counts)])
+        kind = Visit if name == "visit" else Crossing
+        total = int(start[-1])
+        slot = wp.empty(total, dtype=wp.int32, device=self.device)
+        packed = wp.empty(total, dtype=kind, device=self.device)
+        if total:
+            first = wp.array(start[:-1].astype(np.int32), dtype=wp.int32, device=self.device)
+            given = (self._active, first, self._slots, slot, packed)
+            self._run(kernel, len(active), given)
+        return owner[slot.numpy()], packed.numpy().copy()
+
+    def _run(self, kernel: wp.Kernel, count: int, arguments: tuple[Any, ...]) -> None:
+        wp.launch(kernel, dim=count, inputs=list(arguments), device=self.device)
+
+
+class _Ended:
+    """Trajectories as they end, by row of their starts."""
+
+    def __init__(self, count: int) -> None:
+        self.fate = np.zeros(count, np.int8)
+        self.motion = np.zeros(count, Motion.numpy_dtype())
+        self.count = np.zeros((count, len(COUNTS)), np.int64)
+        self.measure = np.zeros((count, len(MEASURES)))
+        self.visits: list[tuple[IntArray, np.ndarray]] = []
+        self.crossings: list[tuple[IntArray, np.ndarray]] = []
+
+    def flights(self, starts: Starts) -> Flights:
+        """All of them, in the order of their starts."""
+        end = _sample(self.motion)
+        return Flights(
+            id=starts.id,
+            release=starts.release,
+            rock=starts.rock,
+            fate=self.fate,
+            time=end.time,
+            start=starts.position,
+            position=end.position,
+            orientation=end.orientation,
+            velocity=end.velocity,
+            spin=end.spin,
+            counts=self.count,
+            measures=self.measure,
+            visits=self._visits(starts.id),
+            crossings=self._crossings(starts.id),
+        )
+
+    def _visits(self, ids: IntArray) -> Visits:
+        row, record = _joined(self.visits, Visit)
+        names = [field.name for field in fields(Visits)][1:]
+        columns = {name: record[name].copy() for name in names}
+        columns["cell"] = columns["cell"].astype(np.int64)
+        return Visits(id=ids[row], **columns)
+
+    def _crossings(self, ids: IntArray) -> Crossings:
+        row, record = _joined(self.crossings, Crossing)
+        names = [field.name for field in fields(Crossings)][1:]
+        columns = {name: record[name].copy() for name in names}
+        columns["caught"] = columns["caught"].astype(bool)
+        return Crossings(id=ids[row], **columns)
+
+
+def _joined(parts: list[tuple[IntArray, np.ndarray]], kind: Any) -> tuple[IntArray, np.ndarray]:
+    """Records of all launches, by row, in the order in which they happened."""
+    if not parts:
+        return np.zeros(0, np.int64), np.zeros(0, kind.numpy_dtype())
+    row = np.concatenate([part[0] for part in parts])
+    order = np.argsort(row, kind="stable")
+    return row[order], np.concatenate([part[1] for part in parts])[order]
+
+
+def _sample(motion: np.ndarray) -> Sample:
+    """States of rocks as arrays, the spin along the world's axes."""
+    orientation = motion["orientation"][:, [3, 0, 1, 2]]
+    return Sample(
+        time=motion["time"].copy(),
+        position=motion["position"].copy(),
+        orientation=orientation,
+        velocity=motion["velocity"].copy(),
+        spin=np.einsum("nij,nj->ni", matrix(orientation), motion["spin"]),
+        contact=motion["touching"] != 0,
+    )
