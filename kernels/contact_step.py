@@ -226,6 +226,7 @@ def ended(
     after.time = motion.time + dt
     after.touching = touching
     after.near_ground = int(1)
+    after.step = dt
     return after
 
 
@@ -249,9 +250,10 @@ def contact_step(parts: Parts) -> wp.Function:
         centre = middle.centre
         kind = terrain.class_of[row_of(terrain, centre[1]), column_of(terrain, centre[0])]
         friction = slip_friction(classes, kind, motion.slip)
-        touched = touch(
-            terrain, rocks, rock, centre, middle.turn, friction, motion.near_ground, flights, slot
-        )
+        warm = real(0.0)
+        if motion.near_ground == 1:
+            warm = dt / motion.step  # percussions go with the length of the step
+        touched = touch(terrain, rocks, rock, centre, middle.turn, friction, warm, flights, slot)
         scar = real(0.0)
         immersed = int(0)
         slowing = real(0.0)

@@ -44,6 +44,7 @@ class Terrain:
     x: real
     y: real
     cell: real
+    per_metre: real  # cells
     reach: real  # horizontal distance for which ``steep`` holds
     rows: int
     columns: int
@@ -136,6 +137,7 @@ class ResultGrid:
     x: real
     y: real
     cell: real
+    per_metre: real  # cells
     rows: int
     columns: int
 
@@ -151,6 +153,7 @@ class Motion:
     slip: real  # s of the friction law [m]
     time: real
     scar: real  # depth of the scarring layer of this impact, 0 in the air
+    step: real  # length of the last step in contact [s]
     touching: int  # some percussion pressed in the last step
     near_ground: int  # some vertex was active in the last step
 

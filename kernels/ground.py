@@ -9,20 +9,20 @@ from warpdem.kernels.variant import inlined
 @inlined()
 def column_of(terrain: Terrain, x: real) -> int:
     """Column of the cell that holds ``x``, or of the nearest one."""
-    return wp.clamp(int(wp.floor((x - terrain.x) / terrain.cell)), 0, terrain.columns - 1)
+    return wp.clamp(int(wp.floor((x - terrain.x) * terrain.per_metre)), 0, terrain.columns - 1)
 
 
 @inlined()
 def row_of(terrain: Terrain, y: real) -> int:
     """Row of the cell that holds ``y``, or of the nearest one."""
-    return wp.clamp(int(wp.floor((y - terrain.y) / terrain.cell)), 0, terrain.rows - 1)
+    return wp.clamp(int(wp.floor((y - terrain.y) * terrain.per_metre)), 0, terrain.rows - 1)
 
 
 @inlined()
 def is_known(terrain: Terrain, x: real, y: real) -> bool:
     """Whether a rock's centre may be above this point."""
-    i = int(wp.floor((x - terrain.x) / terrain.cell))
-    j = int(wp.floor((y - terrain.y) / terrain.cell))
+    i = int(wp.floor((x - terrain.x) * terrain.per_metre))
+    j = int(wp.floor((y - terrain.y) * terrain.per_metre))
     inside = i >= 0 and j >= 0 and i < terrain.columns and j < terrain.rows
     if inside:
         inside = terrain.known[j, i] != 0
@@ -34,16 +34,16 @@ def raster_ground(terrain: Terrain, x: real, y: real) -> vec3:
     """Height, dh/dx, dh/dy of the bilinear surface; the border's patch goes on beyond it."""
     i = column_of(terrain, x)
     j = row_of(terrain, y)
-    a = (x - terrain.x) / terrain.cell - real(i)
-    b = (y - terrain.y) / terrain.cell - real(j)
+    a = (x - terrain.x) * terrain.per_metre - real(i)
+    b = (y - terrain.y) * terrain.per_metre - real(j)
     h = terrain.heights[j, i]
     east = terrain.heights[j, i + 1] - h
     north = terrain.heights[j + 1, i] - h
     twist = terrain.heights[j + 1, i + 1] - h - north - east
     return vec3(
         h + a * east + b * north + a * b * twist,
-        (east + b * twist) / terrain.cell,
-        (north + a * twist) / terrain.cell,
+        (east + b * twist) * terrain.per_metre,
+        (north + a * twist) * terrain.per_metre,
     )
 
 

@@ -44,9 +44,20 @@ def admit(flights: Flights, slot: int, count: int, contact: Contact) -> int:
     return count + 1
 
 
+@inlined()
+def steepest(terrain: Terrain, at: vec3, bound: real) -> real:
+    """Largest slope anywhere below a rock; infinite where that is not known."""
+    slope = real(wp.inf)
+    if bound <= terrain.reach:
+        slope = terrain.steep[row_of(terrain, at[1]), column_of(terrain, at[0])]
+    return slope
+
+
 @functools.cache
 def touch_ground(ground: wp.Function, *, rounded: bool) -> wp.Function:
-    """Function that lists the vertices at or below the ground, with their last percussions."""
+    """Function that lists the vertices at or below the ground, with ``warm`` times their last
+    percussions.
+    """
 
     @inlined()
     def touch_ground(
@@ -56,19 +67,28 @@ def touch_ground(ground: wp.Function, *, rounded: bool) -> wp.Function:
         centre: vec3,
         turn: mat33,
         friction: real,
-        warm: int,
+        warm: real,
         flights: Flights,
         slot: int,
     ) -> Touched:
         touched = Touched()
+        slope = steepest(terrain, centre, rocks.bound[rock])
+        above = centre[2] - ground(terrain, centre[0], centre[1])[0]
+        if wp.static(rounded):
+            above -= rocks.rounding[rock] * wp.sqrt(real(1.0) + slope * slope)
         for i in range(rocks.vertex_count[rock]):
+            last = warm * flights.percussion[slot, i]
+            flights.percussion[slot, i] = vec3()
             arm = turn @ rocks.vertex[rock, i]
+            # above every ground of that slope through the one below the centre
+            if above + arm[2] > slope * (wp.abs(arm[0]) + wp.abs(arm[1])):
+                continue
             place = centre + arm
             under = ground(terrain, place[0], place[1])
             gap = place[2] - under[0]
             if wp.static(rounded):
-                slope = wp.sqrt(real(1.0) + under[1] * under[1] + under[2] * under[2])
-                gap -= rocks.rounding[rock] * slope
+                steepness = wp.sqrt(real(1.0) + under[1] * under[1] + under[2] * under[2])
+                gap -= rocks.rounding[rock] * steepness
             if gap <= real(0.0):
                 contact = Contact()
                 contact.vertex = i
@@ -78,11 +98,9 @@ def touch_ground(ground: wp.Function, *, rounded: bool) -> wp.Function:
                 contact.arm = arm
                 if wp.static(rounded):
                     contact.arm = arm - rocks.rounding[rock] * contact.normal
-                if warm == 1:
-                    contact.percussion = flights.percussion[slot, i]
+                contact.percussion = last
                 touched.count = admit(flights, slot, touched.count, contact)
                 touched.depth = wp.max(touched.depth, -gap)
-            flights.percussion[slot, i] = vec3()
         return touched
 
     return touch_ground

@@ -99,8 +99,8 @@ def values_on(ground: wp.Function) -> wp.Function:
 @inlined()
 def result_cell(grid: ResultGrid, place: vec3) -> int:
     """Number of the cell of results under a place; -1 outside."""
-    i = int(wp.floor((place[0] - grid.x) / grid.cell))
-    j = int(wp.floor((place[1] - grid.y) / grid.cell))
+    i = int(wp.floor((place[0] - grid.x) * grid.per_metre))
+    j = int(wp.floor((place[1] - grid.y) * grid.per_metre))
     number = int(-1)
     if i >= 0 and j >= 0 and i < grid.columns and j < grid.rows:
         number = j * grid.columns + i
@@ -186,8 +186,10 @@ def observe(ground: wp.Function, *, visits: bool) -> wp.Function:
 
     @inlined()
     def observe(terrain: Terrain, grid: ResultGrid, flights: Flights, slot: int, way: Way):
-        middle = values(terrain, way, real(0.5))
         end = values(terrain, way, real(1.0))
+        middle = end
+        if way.bulge > real(0.0):
+            middle = values(terrain, way, real(0.5))
         for k in range(LARGEST_COUNT):
             most = wp.max(middle[k], end[k])
             if most > flights.measure[slot, LARGEST + k]:

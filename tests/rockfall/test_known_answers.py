@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from slopes import G, ball, box, corners, fixed_step, law, plane, site_on, starts
 
-from warpdem.geometry.orientation import matrix
+from warpdem.geometry.orientation import matrix, product
 from warpdem.rockfall.flights import COUNTS, Fate, Method
 from warpdem.rockfall.rock import Rock
 from warpdem.rockfall.trajectories import Trajectories
@@ -149,15 +149,14 @@ IMPULSES = [
     ),
     (
         (0.2, 0.3, 0.5), 30.0, (1.0, 0.0, -2.0), (0.0, 3.0, 1.0), 0.0, 0.5,
-        (1.0, 0.0, 0.3832637221819182), (-7.654072591122511, 5.156662585499514, -2.6926210517716695),
+        (1.0, 0.0, 0.3832637221819182),
+        (-7.654072591122511, 5.156662585499514, -2.6926210517716695),
     ),
 ]  # fmt: skip
 
 
 def rotation_zyx(x, y, z):
     """R_z R_y R_x as a quaternion w, x, y, z."""
-    from warpdem.geometry.orientation import product
-
     turns = [
         (cos(z / 2), 0, 0, sin(z / 2)),
         (cos(y / 2), 0, sin(y / 2), 0),

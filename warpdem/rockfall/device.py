@@ -92,6 +92,7 @@ def _terrain(
     ground, grid = site.ground, site.ground.grid
     terrain = Terrain()
     terrain.x, terrain.y, terrain.cell = grid.x, grid.y, grid.cell
+    terrain.per_metre = 1.0 / grid.cell
     terrain.rows, terrain.columns = grid.rows, grid.columns
     terrain.reach = ground.reach
     span = int(np.ceil(ground.reach / grid.cell - 1e-9))
@@ -228,6 +229,7 @@ def _rules(site: Site, method: Method) -> Rules:
 def _grid(site: Site) -> ResultGrid:
     view, grid = ResultGrid(), site.results
     view.x, view.y, view.cell = grid.x, grid.y, grid.cell
+    view.per_metre = 1.0 / grid.cell
     view.rows, view.columns = grid.rows, grid.columns
     return view
 
