@@ -31,14 +31,17 @@ def test_two_purposes_share_no_number():
 
 
 def test_uniform_numbers_fill_all_bins_alike():
-    bins = 1000
-    for draw in range(3):
-        found = Streams(7, SOME).uniform(Purpose.SPEED, draw)
-        assert found.min() >= 0.0
-        assert found.max() < 1.0
-        expected = len(SOME) / bins
-        chi = ((np.histogram(found, bins, (0.0, 1.0))[0] - expected) ** 2 / expected).sum()
-        assert abs(chi - (bins - 1)) < 4.0 * np.sqrt(2.0 * (bins - 1))
+    bins, expected, chis = 1000, len(SOME) / 1000, []
+    for seed in range(10):
+        for draw in range(3):
+            found = Streams(seed, SOME).uniform(Purpose.SPEED, draw)
+            assert found.min() >= 0.0
+            assert found.max() < 1.0
+            filled = np.histogram(found, bins, (0.0, 1.0))[0]
+            chis.append(((filled - expected) ** 2 / expected).sum())
+    sigma = np.sqrt(2.0 * (bins - 1))
+    assert abs(np.mean(chis) - (bins - 1)) < 3.0 * sigma / np.sqrt(len(chis))
+    assert np.abs(np.array(chis) - (bins - 1)).max() < 5.0 * sigma
 
 
 def test_neighbouring_trajectories_and_draws_are_uncorrelated():
