@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +14,7 @@ from warpdem.geometry.polyhedron import Polyhedron, build
 from warpdem.rockfall.random import Purpose, Streams
 
 if TYPE_CHECKING:
-    from warpdem.arrays import FloatArray, IntArray
+    from warpdem.arrays import FloatArray
     from warpdem.geometry.core import Core
 
 _ABOVE, _BELOW = 5.0 / 6.0, 1.0 / 2.0  # ratios of the axes on both sides of Zingg's 2/3

@@ -40,6 +40,7 @@ class Purpose(IntEnum):
     SPIN_RATE = 8
     SPIN_AXIS = 9
     FORM = 10
+    AREA = 11
 
 
 def mixed(words: Words) -> Words:

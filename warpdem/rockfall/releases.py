@@ -1,0 +1,281 @@
+"""The releases of a scene: how each trajectory starts, a function of seed and number alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from warpdem.errors import GeometryError, SceneError
+from warpdem.geometry.orientation import product
+from warpdem.input.decode import problem_at
+from warpdem.input.scene_release import AreaRelease, LineRelease, PointRelease, TableRelease
+from warpdem.rockfall.areas import Area, checked_areas, read_areas
+from warpdem.rockfall.compass import direction
+from warpdem.rockfall.flights import Starts
+from warpdem.rockfall.places import Areas, Line, Places, Points
+from warpdem.rockfall.random import Purpose, Streams
+from warpdem.rockfall.release_table import Rows, read_rows
+from warpdem.rockfall.settle import is_off, resting_height
+from warpdem.rockfall.shares import shared
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from warpdem.arrays import FloatArray, IntArray
+    from warpdem.errors import Problem
+    from warpdem.input.scene import Scene
+    from warpdem.input.scene_release import Release
+    from warpdem.rockfall.rock import Rock
+    from warpdem.rockfall.site import Site
+
+_CLEARANCE = 0.02  # [m], where neither height nor z is given
+_LISTED = 10  # places a message lists
+
+
+@dataclass(frozen=True, eq=False)
+class _Source:
+    """A release made ready.
+
+    Attributes:
+        section: As in the scene.
+        places: Where it starts.
+        rows: Of its table, or None.
+        rocks: Numbers of the rocks drawn from, shape [rock_count].
+        odds: How often each is drawn, shape [rock_count].
+        key: Of the section that says where, for messages.
+    """
+
+    section: Release
+    places: Places
+    rows: Rows | None
+    rocks: IntArray
+    odds: FloatArray
+    key: str
+
+
+class Releases:
+    """Starts of the trajectories of an ensemble.
+
+    Args:
+        scene: With one [[release]] at least.
+        site: What rocks fall on.
+        rocks: Of the scene, in its order.
+
+    Raises:
+        SceneError: A file cannot be read, or a point, row or end of a line is not on the ground.
+    """
+
+    def __init__(self, scene: Scene, site: Site, rocks: Sequence[Rock]) -> None:
+        self._scene, self._site, self._rocks = scene, site, tuple(rocks)
+        self._sources: list[_Source] = []
+        problems: list[Problem] = []
+        for index, section in enumerate(scene.release):
+            try:
+                source = _source(section, scene.directory, site.origin, [r.name for r in rocks])
+            except GeometryError as error:
+                path = ("release", index, "polygon" if _has_polygon(section) else "file")
+                problems.append(problem_at(scene, path, str(error)))
+            else:
+                self._sources.append(source)
+                problems += self._misplaced(index, source)
+        if problems:
+            raise SceneError(str(scene.source or "scene"), problems)
+        self._weights = [source.section.weight or source.places.count for source in self._sources]
+
+    @property
+    def count(self) -> int:
+        """Number of trajectories: that of the scene, or one for each point and row."""
+        places = sum(source.places.count for source in self._sources)
+        return self._scene.ensemble.count or places
+
+    def starts(self, ids: IntArray) -> Starts:
+        """How trajectories start.
+
+        Args:
+            ids: Their global numbers, in any order, shape [n].
+
+        Raises:
+            SceneError: One starts in an area or on a line where the terrain has no data.
+        """
+        ids = np.asarray(ids, np.int64)
+        release, turn = shared(ids, self._weights)
+        rows = [np.flatnonzero(release == index) for index in range(len(self._sources))]
+        parts = [self._part(k, ids[at], turn[at]) for k, at in enumerate(rows)]
+        back = np.argsort(np.concatenate(rows), kind="stable")
+        return Starts(
+            **{
+                field.name: np.concatenate([getattr(part, field.name) for part in parts])[back]
+                for field in fields(Starts)
+            }
+        )
+
+    def _part(self, index: int, ids: IntArray, turn: IntArray) -> Starts:
+        """Starts of the trajectories of one release."""
+        source = self._sources[index]
+        streams = Streams(self._scene.run.seed, ids)
+        rock = _rock(source, streams, turn)
+        orientation = self._orientation(source, streams, rock)
+        position = source.places.at(streams, turn)
+        self._check_ground(index, source, position)
+        position = self._settled(source, streams, rock, position, orientation)
+        return Starts(
+            id=ids,
+            release=np.full(len(ids), index, np.int32),
+            rock=rock.astype(np.int32),
+            position=position,
+            orientation=orientation,
+            velocity=_velocity(source, streams, turn),
+            spin=_spin(source, streams, turn),
+        )
+
+    def _orientation(self, source: _Source, streams: Streams, rock: IntArray) -> FloatArray:
+        given = source.section.orientation
+        if isinstance(given, str):
+            return streams.quaternions(Purpose.ORIENTATION)
+        turned = np.array([product(np.array(given), one.frame_rotation) for one in self._rocks])
+        turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+        return turned[rock]
+
+    def _settled(
+        self,
+        source: _Source,
+        streams: Streams,
+        rock: IntArray,
+        position: FloatArray,
+        orientation: FloatArray,
+    ) -> FloatArray:
+        """Positions with z at its height above the ground, where it is not given."""
+        height = source.section.height
+        clearance = _amount(_CLEARANCE if height is None else height, streams, Purpose.HEIGHT)
+        free = np.isnan(position[:, 2]) | (height is not None)
+        settled = position.copy()
+        for number in np.unique(rock[free]):
+            at = np.flatnonzero(free & (rock == number))
+            settled[at, 2] = resting_height(
+                self._site.ground,
+                self._rocks[number],
+                position[at, :2],
+                orientation[at],
+                clearance[at],
+            )
+        return settled
+
+    def _misplaced(self, index: int, source: _Source) -> list[Problem]:
+        """Points, rows and ends of lines that are not on the ground, as one problem."""
+        plan = source.places.certain
+        off = np.flatnonzero(is_off(self._site.ground, plan))
+        if not len(off):
+            return []
+        what = "row" if source.rows else "point"
+        named = self._listed(plan[off])
+        if source.rows:
+            lines = ", ".join(str(line) for line in source.rows.lines[off[:_LISTED]].tolist())
+            named = f"on line {lines}, {named}"
+        message = (
+            f"{len(off)} of {len(plan)} {what}s {'lies' if len(off) == 1 else 'lie'} outside the "
+            f"terrain or where it has no data: {named}; check terrain.nodes and the coordinates, "
+            "or take a larger terrain"
+        )
+        return [problem_at(self._scene, ("release", index, source.key), message)]
+
+    def _check_ground(self, index: int, source: _Source, position: FloatArray) -> None:
+        off = is_off(self._site.ground, position[:, :2])
+        if not off.any():
+            return
+        name = "line" if isinstance(source.places, Line) else "area"
+        message = (
+            f"{int(off.sum())} of {len(off)} rocks would start outside the terrain or where it has "
+            f"no data: {self._listed(position[off, :2])}; keep the {name} on the terrain"
+        )
+        problem = problem_at(self._scene, ("release", index, source.key), message)
+        raise SceneError(str(self._scene.source or "scene"), [problem])
+
+    def _listed(self, plan: FloatArray) -> str:
+        """The first of some local points in the coordinates of the terrain."""
+        national = plan[:_LISTED] + self._site.origin[:2]
+        more = f" and {len(plan) - _LISTED} more" if len(plan) > _LISTED else ""
+        return ", ".join(f"({x:.12g}, {y:.12g})" for x, y in national.tolist()) + more
+
+
+def _has_polygon(section: Release) -> bool:
+    return isinstance(section, AreaRelease) and section.polygon is not None
+
+
+def _source(section: Release, directory: Path, origin: FloatArray, names: list[str]) -> _Source:
+    """A release with its files read, in local coordinates."""
+    chosen = section.rocks if section.rocks is not None else tuple(names)
+    places, rows, key = _places(section, directory, origin, names)
+    return _Source(
+        section=section,
+        places=places,
+        rows=rows,
+        rocks=np.array([names.index(name) for name in chosen]),
+        odds=np.array(section.weights or (1.0,) * len(chosen)),
+        key=key,
+    )
+
+
+def _places(
+    section: Release, directory: Path, origin: FloatArray, names: list[str]
+) -> tuple[Places, Rows | None, str]:
+    """Where a release starts, its table, and the key that says so."""
+    match section:
+        case PointRelease():
+            padded = [(*point, np.nan)[:3] for point in section.points]
+            return Points(np.array(padded) - origin), None, "points"
+        case LineRelease():
+            return Line(np.array(section.line) - origin[:2]), None, "line"
+        case AreaRelease(polygon=None):
+            areas = read_areas(directory / str(section.file), origin[:2])
+            return Areas(checked_areas(areas)), None, "file"
+        case AreaRelease():
+            areas = (Area((np.array(section.polygon) - origin[:2],)),)
+            return Areas(checked_areas(areas)), None, "polygon"
+        case TableRelease():
+            rows = read_rows(directory / section.file, section.columns, names)
+            return Points(rows.position - origin), rows, "file"
+
+
+def _rock(source: _Source, streams: Streams, turn: IntArray) -> IntArray:
+    """Number of the rock of each trajectory, shape [n]."""
+    if source.rows and source.rows.rock is not None:
+        return source.rows.rock[turn % source.places.count]
+    odds = np.cumsum(source.odds)
+    drawn = np.searchsorted(odds, streams.uniform(Purpose.ROCK) * odds[-1], side="right")
+    return source.rocks[np.minimum(drawn, len(odds) - 1)]
+
+
+def _velocity(source: _Source, streams: Streams, turn: IntArray) -> FloatArray:
+    section = source.section
+    if source.rows and source.rows.velocity is not None:
+        return source.rows.velocity[turn % source.places.count]
+    if section.speed is None:
+        return _alike(section.velocity, len(turn))
+    speed = _amount(section.speed, streams, Purpose.SPEED)
+    azimuth = _amount(section.azimuth or 0.0, streams, Purpose.AZIMUTH)
+    dip = _amount(section.dip or 0.0, streams, Purpose.DIP)
+    return speed[:, None] * direction(azimuth, dip)
+
+
+def _spin(source: _Source, streams: Streams, turn: IntArray) -> FloatArray:
+    section = source.section
+    if source.rows and source.rows.spin is not None:
+        return source.rows.spin[turn % source.places.count]
+    if section.spin_rate is None:
+        return _alike(section.spin, len(turn))
+    rate = _amount(section.spin_rate, streams, Purpose.SPIN_RATE)
+    return rate[:, None] * streams.directions(Purpose.SPIN_AXIS)
+
+
+def _alike(vector: tuple[float, ...] | None, count: int) -> FloatArray:
+    return np.tile(np.array(vector or (0.0, 0.0, 0.0)), (count, 1))
+
+
+def _amount(value: Any, streams: Streams, purpose: Purpose) -> FloatArray:
+    """A number for each trajectory, or one drawn from a range, shape [n]."""
+    if isinstance(value, tuple):
+        return streams.between(purpose, *value)
+    return np.full(len(streams.ids), float(value))
