@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpdem.errors import GeometryError
 from warpdem.rockfall.areas import drawn_points
 from warpdem.rockfall.random import Purpose
 
@@ -47,7 +48,7 @@ class Line:
     """Anywhere along straight pieces.
 
     Attributes:
-        points: Local x, y of their ends [m], shape [point_count, 2].
+        points: Local x, y of their ends, no two alike in a row [m], shape [point_count, 2].
     """
 
     points: FloatArray
@@ -100,6 +101,18 @@ class Areas:
         del turn  # places are drawn
         plan = drawn_points(self.areas, streams)
         return np.column_stack([plan, np.full(len(plan), np.nan)])
+
+
+def straight(points: FloatArray) -> Line:
+    """The line through points, shape [n, 2].
+
+    Raises:
+        GeometryError: All of them are one.
+    """
+    moves = np.append(True, (np.diff(points, axis=0) != 0.0).any(axis=1))
+    if moves.sum() < 2:
+        raise GeometryError("all points are one: a line has a length; give points for one place")
+    return Line(points[moves])
 
 
 Places = Points | Line | Areas

@@ -14,7 +14,7 @@ from warpdem.input.scene_release import AreaRelease, LineRelease, PointRelease, 
 from warpdem.rockfall.areas import Area, checked_areas, read_areas
 from warpdem.rockfall.compass import direction
 from warpdem.rockfall.flights import Starts
-from warpdem.rockfall.places import Areas, Line, Places, Points
+from warpdem.rockfall.places import Areas, Line, Places, Points, straight
 from warpdem.rockfall.random import Purpose, Streams
 from warpdem.rockfall.release_table import Rows, read_rows
 from warpdem.rockfall.settle import is_off, resting_height
@@ -45,7 +45,6 @@ class _Source:
         rows: Of its table, or None.
         rocks: Numbers of the rocks drawn from, shape [rock_count].
         odds: How often each is drawn, shape [rock_count].
-        key: Of the section that says where, for messages.
     """
 
     section: Release
@@ -53,7 +52,6 @@ class _Source:
     rows: Rows | None
     rocks: IntArray
     odds: FloatArray
-    key: str
 
 
 class Releases:
@@ -76,7 +74,7 @@ class Releases:
             try:
                 source = _source(section, scene.directory, site.origin, [r.name for r in rocks])
             except GeometryError as error:
-                path = ("release", index, "polygon" if _has_polygon(section) else "file")
+                path = ("release", index, _key(section))
                 problems.append(problem_at(scene, path, str(error)))
             else:
                 self._sources.append(source)
@@ -179,9 +177,12 @@ class Releases:
             f"terrain or where it has no data: {named}; check terrain.nodes and the coordinates, "
             "or take a larger terrain"
         )
-        return [problem_at(self._scene, ("release", index, source.key), message)]
+        return [problem_at(self._scene, ("release", index, _key(source.section)), message)]
 
     def _check_ground(self, index: int, source: _Source, position: FloatArray) -> None:
+        """Refuse a place drawn where there is no ground; points were tried at the start."""
+        if isinstance(source.places, Points):
+            return
         off = is_off(self._site.ground, position[:, :2])
         if not off.any():
             return
@@ -190,7 +191,7 @@ class Releases:
             f"{int(off.sum())} of {len(off)} rocks would start outside the terrain or where it has "
             f"no data: {self._listed(position[off, :2])}; keep the {name} on the terrain"
         )
-        problem = problem_at(self._scene, ("release", index, source.key), message)
+        problem = problem_at(self._scene, ("release", index, _key(source.section)), message)
         raise SceneError(str(self._scene.source or "scene"), [problem])
 
     def _listed(self, plan: FloatArray) -> str:
@@ -200,43 +201,47 @@ class Releases:
         return ", ".join(f"({x:.12g}, {y:.12g})" for x, y in national.tolist()) + more
 
 
-def _has_polygon(section: Release) -> bool:
-    return isinstance(section, AreaRelease) and section.polygon is not None
+def _key(section: Release) -> str:
+    """The key that says where a release is."""
+    match section:
+        case PointRelease():
+            return "points"
+        case LineRelease():
+            return "line"
+        case AreaRelease(file=None):
+            return "polygon"
+        case _:
+            return "file"
 
 
 def _source(section: Release, directory: Path, origin: FloatArray, names: list[str]) -> _Source:
     """A release with its files read, in local coordinates."""
     chosen = section.rocks if section.rocks is not None else tuple(names)
-    places, rows, key = _places(section, directory, origin, names)
+    rows = None
+    if isinstance(section, TableRelease):
+        rows = read_rows(directory / section.file, section.columns, names)
     return _Source(
         section=section,
-        places=places,
+        places=Points(rows.position - origin) if rows else _places(section, directory, origin),
         rows=rows,
         rocks=np.array([names.index(name) for name in chosen]),
         odds=np.array(section.weights or (1.0,) * len(chosen)),
-        key=key,
     )
 
 
-def _places(
-    section: Release, directory: Path, origin: FloatArray, names: list[str]
-) -> tuple[Places, Rows | None, str]:
-    """Where a release starts, its table, and the key that says so."""
+def _places(section: Release, directory: Path, origin: FloatArray) -> Places:
+    """Where a release without a table starts."""
     match section:
         case PointRelease():
-            padded = [(*point, np.nan)[:3] for point in section.points]
-            return Points(np.array(padded) - origin), None, "points"
+            return Points(np.array([(*point, np.nan)[:3] for point in section.points]) - origin)
         case LineRelease():
-            return Line(np.array(section.line) - origin[:2]), None, "line"
-        case AreaRelease(polygon=None):
+            return straight(np.array(section.line) - origin[:2])
+        case AreaRelease(file=None):
+            border = np.array(section.polygon) - origin[:2]
+            return Areas(checked_areas([Area((border,))]))
+        case _:
             areas = read_areas(directory / str(section.file), origin[:2])
-            return Areas(checked_areas(areas)), None, "file"
-        case AreaRelease():
-            areas = (Area((np.array(section.polygon) - origin[:2],)),)
-            return Areas(checked_areas(areas)), None, "polygon"
-        case TableRelease():
-            rows = read_rows(directory / section.file, section.columns, names)
-            return Points(rows.position - origin), rows, "file"
+            return Areas(checked_areas(areas))
 
 
 def _rock(source: _Source, streams: Streams, turn: IntArray) -> IntArray:
