@@ -141,3 +141,7 @@ def test_lines_and_areas_need_a_number_of_trajectories():
 def test_values_out_of_bounds_are_refused(model, table):
     with pytest.raises(ValidationError):
         TypeAdapter(model).validate_python(table)
+
+
+def test_a_rock_of_no_kind_has_no_other_fault():
+    assert rules(rock=[{"name": "a", "kind": "bulder"}]) == {}

@@ -10,6 +10,9 @@ from warpdem.input.suggestions import did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+KINDS = ("builder", "points", "mesh", "shp", "shape")
+"""Kinds of rocks."""
+
 SOLID = ("box", "sphere", "capsule", "mesh", "polyhedron", "shp")
 """Kinds of shapes that can be rocks."""
 
@@ -26,8 +29,12 @@ def rock_names(scene: Any) -> Iterator[Fault]:
 def rock_masses(scene: Any) -> Iterator[Fault]:
     """A rock is as heavy as one set of keys says."""
     for index, rock in tables(scene, "rock"):
-        builder = text(rock, "kind") == "builder"
-        keys, wanted = (("volume", "mass", "density"), 2) if builder else (("mass", "density"), 1)
+        kind = text(rock, "kind")
+        if kind not in KINDS:
+            continue
+        keys, wanted = ("mass", "density"), 1
+        if kind == "builder":
+            keys, wanted = ("volume", *keys), 2
         present = [key for key in keys if read(rock, key) is not None]
         path = ("rock", index)
         if len(present) < wanted:

@@ -24,7 +24,7 @@ def direction(azimuth: FloatArray, dip: FloatArray) -> FloatArray:
     """
     east, north = sine_cosine(azimuth)
     down, level = sine_cosine(dip)
-    return np.column_stack([east * level, north * level, -down])
+    return np.column_stack([east * level, north * level, 0.0 - down])
 
 
 def sine_cosine(angle: FloatArray) -> tuple[FloatArray, FloatArray]:

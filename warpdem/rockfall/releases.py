@@ -2,56 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any
+from dataclasses import fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from warpdem.errors import GeometryError, SceneError
 from warpdem.geometry.orientation import product
 from warpdem.input.decode import problem_at
-from warpdem.input.scene_release import AreaRelease, LineRelease, PointRelease, TableRelease
-from warpdem.rockfall.areas import Area, checked_areas, read_areas
-from warpdem.rockfall.compass import direction
 from warpdem.rockfall.flights import Starts
-from warpdem.rockfall.places import Areas, Line, Places, Points, straight
+from warpdem.rockfall.places import Line, Points
 from warpdem.rockfall.random import Purpose, Streams
-from warpdem.rockfall.release_table import Rows, read_rows
 from warpdem.rockfall.settle import is_off, resting_height
 from warpdem.rockfall.shares import shared
+from warpdem.rockfall.sources import (
+    amounts,
+    place_key,
+    rock_numbers,
+    source_of,
+    spins,
+    velocities,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from warpdem.arrays import FloatArray, IntArray
     from warpdem.errors import Problem
     from warpdem.input.scene import Scene
-    from warpdem.input.scene_release import Release
     from warpdem.rockfall.rock import Rock
     from warpdem.rockfall.site import Site
+    from warpdem.rockfall.sources import Source
 
 _CLEARANCE = 0.02  # [m], where neither height nor z is given
 _LISTED = 10  # places a message lists
-
-
-@dataclass(frozen=True, eq=False)
-class _Source:
-    """A release made ready.
-
-    Attributes:
-        section: As in the scene.
-        places: Where it starts.
-        rows: Of its table, or None.
-        rocks: Numbers of the rocks drawn from, shape [rock_count].
-        odds: How often each is drawn, shape [rock_count].
-    """
-
-    section: Release
-    places: Places
-    rows: Rows | None
-    rocks: IntArray
-    odds: FloatArray
 
 
 class Releases:
@@ -68,13 +52,13 @@ class Releases:
 
     def __init__(self, scene: Scene, site: Site, rocks: Sequence[Rock]) -> None:
         self._scene, self._site, self._rocks = scene, site, tuple(rocks)
-        self._sources: list[_Source] = []
+        self._sources: list[Source] = []
         problems: list[Problem] = []
         for index, section in enumerate(scene.release):
             try:
-                source = _source(section, scene.directory, site.origin, [r.name for r in rocks])
+                source = source_of(section, scene.directory, site.origin, [r.name for r in rocks])
             except GeometryError as error:
-                path = ("release", index, _key(section))
+                path = ("release", index, place_key(section))
                 problems.append(problem_at(scene, path, str(error)))
             else:
                 self._sources.append(source)
@@ -114,7 +98,7 @@ class Releases:
         """Starts of the trajectories of one release."""
         source = self._sources[index]
         streams = Streams(self._scene.run.seed, ids)
-        rock = _rock(source, streams, turn)
+        rock = rock_numbers(source, streams, turn)
         orientation = self._orientation(source, streams, rock)
         position = source.places.at(streams, turn)
         self._check_ground(index, source, position)
@@ -125,11 +109,11 @@ class Releases:
             rock=rock.astype(np.int32),
             position=position,
             orientation=orientation,
-            velocity=_velocity(source, streams, turn),
-            spin=_spin(source, streams, turn),
+            velocity=velocities(source, streams, turn),
+            spin=spins(source, streams, turn),
         )
 
-    def _orientation(self, source: _Source, streams: Streams, rock: IntArray) -> FloatArray:
+    def _orientation(self, source: Source, streams: Streams, rock: IntArray) -> FloatArray:
         given = source.section.orientation
         if isinstance(given, str):
             return streams.quaternions(Purpose.ORIENTATION)
@@ -139,7 +123,7 @@ class Releases:
 
     def _settled(
         self,
-        source: _Source,
+        source: Source,
         streams: Streams,
         rock: IntArray,
         position: FloatArray,
@@ -147,7 +131,7 @@ class Releases:
     ) -> FloatArray:
         """Positions with z at its height above the ground, where it is not given."""
         height = source.section.height
-        clearance = _amount(_CLEARANCE if height is None else height, streams, Purpose.HEIGHT)
+        clearance = amounts(_CLEARANCE if height is None else height, streams, Purpose.HEIGHT)
         free = np.isnan(position[:, 2]) | (height is not None)
         settled = position.copy()
         for number in np.unique(rock[free]):
@@ -161,7 +145,7 @@ class Releases:
             )
         return settled
 
-    def _misplaced(self, index: int, source: _Source) -> list[Problem]:
+    def _misplaced(self, index: int, source: Source) -> list[Problem]:
         """Points, rows and ends of lines that are not on the ground, as one problem."""
         plan = source.places.certain
         off = np.flatnonzero(is_off(self._site.ground, plan))
@@ -177,9 +161,9 @@ class Releases:
             f"terrain or where it has no data: {named}; check terrain.nodes and the coordinates, "
             "or take a larger terrain"
         )
-        return [problem_at(self._scene, ("release", index, _key(source.section)), message)]
+        return [problem_at(self._scene, ("release", index, place_key(source.section)), message)]
 
-    def _check_ground(self, index: int, source: _Source, position: FloatArray) -> None:
+    def _check_ground(self, index: int, source: Source, position: FloatArray) -> None:
         """Refuse a place drawn where there is no ground; points were tried at the start."""
         if isinstance(source.places, Points):
             return
@@ -191,7 +175,7 @@ class Releases:
             f"{int(off.sum())} of {len(off)} rocks would start outside the terrain or where it has "
             f"no data: {self._listed(position[off, :2])}; keep the {name} on the terrain"
         )
-        problem = problem_at(self._scene, ("release", index, _key(source.section)), message)
+        problem = problem_at(self._scene, ("release", index, place_key(source.section)), message)
         raise SceneError(str(self._scene.source or "scene"), [problem])
 
     def _listed(self, plan: FloatArray) -> str:
@@ -199,88 +183,3 @@ class Releases:
         national = plan[:_LISTED] + self._site.origin[:2]
         more = f" and {len(plan) - _LISTED} more" if len(plan) > _LISTED else ""
         return ", ".join(f"({x:.12g}, {y:.12g})" for x, y in national.tolist()) + more
-
-
-def _key(section: Release) -> str:
-    """The key that says where a release is."""
-    match section:
-        case PointRelease():
-            return "points"
-        case LineRelease():
-            return "line"
-        case AreaRelease(file=None):
-            return "polygon"
-        case _:
-            return "file"
-
-
-def _source(section: Release, directory: Path, origin: FloatArray, names: list[str]) -> _Source:
-    """A release with its files read, in local coordinates."""
-    chosen = section.rocks if section.rocks is not None else tuple(names)
-    rows = None
-    if isinstance(section, TableRelease):
-        rows = read_rows(directory / section.file, section.columns, names)
-    return _Source(
-        section=section,
-        places=Points(rows.position - origin) if rows else _places(section, directory, origin),
-        rows=rows,
-        rocks=np.array([names.index(name) for name in chosen]),
-        odds=np.array(section.weights or (1.0,) * len(chosen)),
-    )
-
-
-def _places(section: Release, directory: Path, origin: FloatArray) -> Places:
-    """Where a release without a table starts."""
-    match section:
-        case PointRelease():
-            return Points(np.array([(*point, np.nan)[:3] for point in section.points]) - origin)
-        case LineRelease():
-            return straight(np.array(section.line) - origin[:2])
-        case AreaRelease(file=None):
-            border = np.array(section.polygon) - origin[:2]
-            return Areas(checked_areas([Area((border,))]))
-        case _:
-            areas = read_areas(directory / str(section.file), origin[:2])
-            return Areas(checked_areas(areas))
-
-
-def _rock(source: _Source, streams: Streams, turn: IntArray) -> IntArray:
-    """Number of the rock of each trajectory, shape [n]."""
-    if source.rows and source.rows.rock is not None:
-        return source.rows.rock[turn % source.places.count]
-    odds = np.cumsum(source.odds)
-    drawn = np.searchsorted(odds, streams.uniform(Purpose.ROCK) * odds[-1], side="right")
-    return source.rocks[np.minimum(drawn, len(odds) - 1)]
-
-
-def _velocity(source: _Source, streams: Streams, turn: IntArray) -> FloatArray:
-    section = source.section
-    if source.rows and source.rows.velocity is not None:
-        return source.rows.velocity[turn % source.places.count]
-    if section.speed is None:
-        return _alike(section.velocity, len(turn))
-    speed = _amount(section.speed, streams, Purpose.SPEED)
-    azimuth = _amount(section.azimuth or 0.0, streams, Purpose.AZIMUTH)
-    dip = _amount(section.dip or 0.0, streams, Purpose.DIP)
-    return speed[:, None] * direction(azimuth, dip)
-
-
-def _spin(source: _Source, streams: Streams, turn: IntArray) -> FloatArray:
-    section = source.section
-    if source.rows and source.rows.spin is not None:
-        return source.rows.spin[turn % source.places.count]
-    if section.spin_rate is None:
-        return _alike(section.spin, len(turn))
-    rate = _amount(section.spin_rate, streams, Purpose.SPIN_RATE)
-    return rate[:, None] * streams.directions(Purpose.SPIN_AXIS)
-
-
-def _alike(vector: tuple[float, ...] | None, count: int) -> FloatArray:
-    return np.tile(np.array(vector or (0.0, 0.0, 0.0)), (count, 1))
-
-
-def _amount(value: Any, streams: Streams, purpose: Purpose) -> FloatArray:
-    """A number for each trajectory, or one drawn from a range, shape [n]."""
-    if isinstance(value, tuple):
-        return streams.between(purpose, *value)
-    return np.full(len(streams.ids), float(value))
