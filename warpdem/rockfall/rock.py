@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +25,9 @@ class Rock:
         inertia: Principal moments [kg m^2], shape [3].
         skin_points: Corners of its outer surface [m], shape [point_count, 3].
         skin_triangles: Outward counter-clockwise, shape [triangle_count, 3].
+        frame_rotation: Unit quaternion w, x, y, z from this frame to the axes of the rock's file or
+            shape, shape [4].
+        notes: What was made of the input, as sentences.
     """
 
     name: str
@@ -35,6 +38,8 @@ class Rock:
     inertia: FloatArray
     skin_points: FloatArray
     skin_triangles: IntArray
+    frame_rotation: FloatArray = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
+    notes: tuple[str, ...] = ()
 
     @property
     def bound(self) -> float:

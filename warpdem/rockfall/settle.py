@@ -1,0 +1,49 @@
+"""Rocks set down at a distance from the ground."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from warpdem.geometry.orientation import matrix
+
+if TYPE_CHECKING:
+    from warpdem.arrays import BoolArray, FloatArray
+    from warpdem.rockfall.rock import Rock
+    from warpdem.rockfall.site import Ground
+
+
+def is_off(ground: Ground, plan: FloatArray) -> BoolArray:
+    """Points x, y that no rock's centre may be above: outside, or without data; shape [n]."""
+    x, y = plan[:, 0], plan[:, 1]
+    cell = ground.grid.index(x, y)
+    known = ground.known.reshape(-1)[np.maximum(cell, 0)].astype(bool)
+    return (cell < 0) | ~known | np.isnan(ground.height(x, y))
+
+
+def resting_height(
+    ground: Ground, rock: Rock, plan: FloatArray, orientation: FloatArray, clearance: FloatArray
+) -> FloatArray:
+    """Height of the centre of mass at which the lowest point of a rock clears the ground [m].
+
+    Each vertex, lower by the rounding, is held against the ground under it; those over no ground
+    do not count.
+
+    Args:
+        ground: What is under it.
+        rock: One rock.
+        plan: Local x, y of its centre, on known ground [m], shape [n, 2].
+        orientation: Unit quaternions from the principal frame to the world, shape [n, 4].
+        clearance: Least vertical distance [m], shape [n].
+    """
+    turn = matrix(orientation)
+    rise = np.full(len(plan), -np.inf)
+    for a, b, c in rock.vertices.tolist():
+        # sums term by term: the order of others may depend on the number of rocks
+        x, y, z = (turn[:, k, 0] * a + turn[:, k, 1] * b + turn[:, k, 2] * c for k in range(3))
+        np.fmax(rise, ground.height(plan[:, 0] + x, plan[:, 1] + y) - z, out=rise)
+    nowhere = np.isneginf(rise)
+    if nowhere.any():
+        rise[nowhere] = ground.height(plan[nowhere, 0], plan[nowhere, 1]) + rock.bound
+    return rise + rock.rounding + clearance
