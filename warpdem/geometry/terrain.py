@@ -88,9 +88,7 @@ def read_raster(path: Path, nodes: Literal["corner", "centre"] = "corner") -> Ra
         heights[heights == header["nodata_value"]] = np.nan
     cell = header["cellsize"]
     half = 0.5 * cell if nodes == "centre" else 0.0
-    west, south = (
-        header.get(f"{axis}llcenter", header[f"{axis}llcorner"] + half) for axis in "xy"
-    )
+    west, south = (header.get(f"{axis}llcenter", header[f"{axis}llcorner"] + half) for axis in "xy")
     return raster_of(heights.reshape(rows, columns), west, south, cell)
 
 

@@ -69,15 +69,15 @@ def rockfall_alone(scene: Any) -> Iterator[Fault]:
     for name in ROCKFALL_TABLES:
         value = read(scene, name)
         if value and value != Ensemble():
-            path = (name, 0) if entries(scene, name) and isinstance(value, list | tuple) else (name,)
+            path = (
+                (name, 0) if entries(scene, name) and isinstance(value, list | tuple) else (name,)
+            )
             yield Fault(path, None, _other("nonsmooth"))
     yield from _chosen(scene, "run", ROCKFALL_RUN, Run, "nonsmooth")
     yield from _chosen(scene, "output", ROCKFALL_OUTPUT, Output, "nonsmooth")
 
 
-def _chosen(
-    scene: Any, name: str, keys: Sequence[str], model: Any, method: str
-) -> Iterator[Fault]:
+def _chosen(scene: Any, name: str, keys: Sequence[str], model: Any, method: str) -> Iterator[Fault]:
     """Keys of a section that differ from their defaults."""
     for key in keys:
         value, default = read(read(scene, name), key), model.model_fields[key].default

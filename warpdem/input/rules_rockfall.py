@@ -1,4 +1,4 @@
-"""Rules of rockfall: classes that exist, areas that are areas, and names that refer to something."""
+"""Rules of rockfall: classes that exist, areas that are areas, names that refer to something."""
 
 from __future__ import annotations
 
@@ -51,7 +51,9 @@ def own_classes(scene: Any) -> Iterator[Fault]:
         path = ("terrain_class", index)
         like, name = text(section, "like"), text(section, "name") or ""
         if like and like not in known:
-            yield Fault((*path, "like"), like, _unknown("published or earlier class", like, [*known]))
+            yield Fault(
+                (*path, "like"), like, _unknown("published or earlier class", like, [*known])
+            )
         start = known.get(like or name)
         for key in NEEDED if not start and not like else ():
             if read(section, key) is None:
@@ -113,7 +115,9 @@ def ground_files(scene: Any) -> Iterator[Fault]:
         if field is not None and suffix != ".shp":
             yield Fault((*path, "field"), field, "only the polygons of a .shp file have attributes")
         if listed is not None and suffix not in RASTERS:
-            yield Fault((*path, "classes"), None, "only with a raster of class numbers (.asc, .tif)")
+            yield Fault(
+                (*path, "classes"), None, "only with a raster of class numbers (.asc, .tif)"
+            )
         if suffix in RASTERS and listed is None:
             yield Fault((*path, "classes"), None, "missing: the class of each number of the raster")
         if one is not None and (field is not None or suffix in RASTERS):
@@ -155,10 +159,14 @@ def standing(scene: Any) -> Iterator[Fault]:
             if alone and read(tree, key) is None:
                 yield Fault((*path, key), None, "missing [m]")
             if not alone and read(tree, "file") is not None and read(tree, key) is not None:
-                yield Fault((*path, key), read(tree, key), "the table has this column: leave it out")
+                yield Fault(
+                    (*path, key), read(tree, key), "the table has this column: leave it out"
+                )
     for index, barrier in tables(scene, "barrier"):
         if read(barrier, "capacity") is not None and read(barrier, "height") is None:
-            yield Fault(("barrier", index, "height"), None, "missing: what stops rocks has a height")
+            yield Fault(
+                ("barrier", index, "height"), None, "missing: what stops rocks has a height"
+            )
 
 
 def references(scene: Any) -> Iterator[Fault]:

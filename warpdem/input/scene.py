@@ -42,7 +42,6 @@ from warpdem.input.scene_values import (
     Vector,
 )
 
-
 Count = Annotated[int, Field(ge=0, le=2**40)]
 CountOrList = Annotated[
     Annotated[Count, Tag("number")]
@@ -162,9 +161,9 @@ class Output(Section):
     cellsize: Positive | None = None
     """Rockfall: edge length of these cells [m]; default: that of the terrain."""
 
-    formats: Annotated[
-        tuple[Literal["asc", "tif"], ...], Field(min_length=1, strict=False)
-    ] = ("asc",)
+    formats: Annotated[tuple[Literal["asc", "tif"], ...], Field(min_length=1, strict=False)] = (
+        "asc",
+    )
     """Rockfall: "asc", ESRI ASCII grids; "tif", GeoTIFF with the reference system (extra geo)."""
 
     trajectories: CountOrList = 50

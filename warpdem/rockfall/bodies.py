@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -80,7 +81,7 @@ def _refuse_concave(scene: Scene, shapes: Mapping[str, Polyhedron]) -> None:
     free = {body.shape for body in scene.body if not body.fixed}
     free |= {name for fill in scene.fill for name in fill.shapes}
     rule = (
-        "is not convex, as rocks of run.method = \"nonsmooth\" must be; "
+        'is not convex, as rocks of run.method = "nonsmooth" must be; '
         'use [[rock]] kind = "mesh", which takes the hull'
     )
     problems = [
@@ -113,7 +114,7 @@ def _fans(connectivity: IntArray, offsets: IntArray) -> IntArray:
     """Triangles of convex polygons given one after the other, shape [triangle_count, 3]."""
     fans = [
         (connectivity[begin], connectivity[k], connectivity[k + 1])
-        for begin, end in zip(offsets[:-1], offsets[1:], strict=True)
+        for begin, end in pairwise(offsets)
         for k in range(begin + 1, end - 1)
     ]
     return np.array(fans, np.int64).reshape(-1, 3)

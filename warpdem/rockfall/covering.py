@@ -80,9 +80,14 @@ def _parts(
         ]
     else:
         parts = [(area.class_ or "", _cells_of(scene, area, grid, origin))]
-    if not any(cells.any() for _, cells in parts):
-        raise GeometryError(NOWHERE)
+    _somewhere(np.any([cells for _, cells in parts], axis=0))
     yield from parts
+
+
+def _somewhere(cells: BoolArray) -> BoolArray:
+    if not cells.any():
+        raise GeometryError(NOWHERE)
+    return cells
 
 
 def _attribute(area: Area, field: str, file: str) -> str:
@@ -96,9 +101,7 @@ def _cells(rings: tuple[FloatArray, ...], grid: Grid, origin: FloatArray) -> Boo
     return inside([ring - origin[:2] for ring in rings], grid)
 
 
-def _cells_of(
-    scene: Scene, area: GroundArea | Forest, grid: Grid, origin: FloatArray
-) -> BoolArray:
+def _cells_of(scene: Scene, area: GroundArea | Forest, grid: Grid, origin: FloatArray) -> BoolArray:
     """Cells in the polygon of an area, or in any of its file, or not zero in its raster."""
     if area.polygon is not None:
         return _cells((np.array(area.polygon, np.float64),), grid, origin)
@@ -128,9 +131,7 @@ def covered_stands(
     stand_of = np.full((grid.rows, grid.columns), -1, np.int32)
     for index, forest in enumerate(scene.forest):
         try:
-            cells = _cells_of(scene, forest, grid, origin)
-            if not cells.any():
-                raise GeometryError(NOWHERE)
+            cells = _somewhere(_cells_of(scene, forest, grid, origin))
             stand_of[cells] = stands.index(kinds[index])
         except GeometryError as error:
             problems.append(problem_at(scene, ("forest", index), str(error)))

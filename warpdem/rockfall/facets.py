@@ -147,9 +147,7 @@ def _cells(grid: Grid, low: FloatArray, high: FloatArray) -> tuple[IntArray, Int
 
 def _centres(grid: Grid, cell: IntArray) -> FloatArray:
     row, column = np.divmod(cell, grid.columns)
-    return np.column_stack(
-        [grid.x + (column + 0.5) * grid.cell, grid.y + (row + 0.5) * grid.cell]
-    )
+    return np.column_stack([grid.x + (column + 0.5) * grid.cell, grid.y + (row + 0.5) * grid.cell])
 
 
 def _slope(facets: Facets) -> FloatArray:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from warpdem.arrays import FloatArray
     from warpdem.geometry.terrain import Raster
 
+
 def origin_of(x: FloatArray, y: FloatArray, z: FloatArray) -> FloatArray:
     """The local origin: the lower-left corner and the lowest height, as whole metres [m].
 
@@ -72,7 +73,8 @@ def height_at(ground: Ground, x: FloatArray, y: FloatArray) -> FloatArray:
 
     Args:
         ground: A raster, or triangles.
-        x, y: Local coordinates [m], any shape.
+        x: Local coordinates [m], any shape.
+        y: The others, of the same shape.
     """
     x, y = np.broadcast_arrays(np.asarray(x, np.float64), np.asarray(y, np.float64))
     if ground.facets is not None:

@@ -71,9 +71,7 @@ def site_of(scene: Scene) -> Site:
     if problems:
         raise SceneError(str(scene.source or "scene"), problems)
     results = results_grid(ground.grid, scene.output.cellsize)
-    return Site(
-        origin, crs, ground, classes, class_of, stands, stand_of, trees, barriers, results
-    )
+    return Site(origin, crs, ground, classes, class_of, stands, stand_of, trees, barriers, results)
 
 
 def results_grid(grid: Grid, cell: float | None) -> Grid:

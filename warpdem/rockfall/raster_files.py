@@ -85,7 +85,8 @@ def value_at(raster: Raster, x: FloatArray, y: FloatArray) -> FloatArray:
 
     Args:
         raster: Whose nodes are the centres of its cells.
-        x, y: In the coordinates of the raster [m], any shape.
+        x: In the coordinates of the raster [m], any shape.
+        y: The others.
     """
     rows, columns = raster.heights.shape
     column = np.floor((x - raster.x[0]) / raster.cell + 0.5).astype(np.int64)
