@@ -108,6 +108,10 @@ def ground(scene: Any) -> Iterator[Fault]:
     for index in bodies if own else bodies[1:]:
         rule = "there is another ground already: " + ("[terrain]" if own else f"body[{bodies[0]}]")
         yield Fault(("body", index, "shape"), text(scene_body(scene, index), "shape"), rule)
+    for name in ("ground", "terrain_class"):
+        if not own and bodies and entries(scene, name):
+            rule = "needs [terrain]: the ground is a body, and [[contact]] says how it acts"
+            yield Fault((name, 0), None, rule)
     for index in bodies:
         yield from _level(scene_body(scene, index), index)
     for index, shape in tables(scene, "shape"):
