@@ -75,7 +75,7 @@ def check_rockfall(scene: Scene) -> RockfallReport:
         disk=RASTERS * cells * sum(FILE_BYTES[one] for one in scene.output.formats)
         if scene.output.rasters
         else 0,
-        warnings=tuple(_warnings(site)),
+        warnings=tuple(_warnings(scene, site)),
         problems=tuple(problems),
     )
 
@@ -145,7 +145,13 @@ def _class_lines(site: Site) -> tuple[ClassLine, ...]:
     return tuple(ClassLine(one, float(s)) for one, s in zip(site.classes, share, strict=True))
 
 
-def _warnings(site: Site) -> Iterator[str]:
+def _warnings(scene: Scene, site: Site) -> Iterator[str]:
+    file = scene.terrain.file if scene.terrain else ""
+    if file.lower().endswith(".stl") and (step := np.spacing(np.float32(site.origin.max()))) > 1e-3:
+        yield (
+            f"{file}: an STL keeps coordinates like these to {step:.2g} m only; "
+            "use an OBJ or PLY, or a raster"
+        )
     names = [one.name for one in site.classes if one.source == UNVERIFIED]
     if names:
         yield (

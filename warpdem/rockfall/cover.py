@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -44,9 +45,9 @@ def read_areas(path: Path) -> tuple[Area, ...]:
     except ImportError:
         raise WarpdemError("a shapefile needs pyshp: pip install 'warpdem[geo]'") from None
     try:
-        with shapefile.Reader(str(path)) as reader:
+        with shapefile.Reader(str(path), encodingErrors="replace") as reader:
             records = [(one.shape, one.record.as_dict()) for one in reader.iterShapeRecords()]
-    except (shapefile.ShapefileException, OSError, ValueError, IndexError) as error:
+    except (shapefile.ShapefileException, struct.error, OSError, ValueError) as error:
         raise GeometryError(f"{path}: cannot be read as a shapefile: {error}") from None
     found = tuple(
         Area(_rings(shape), record)
