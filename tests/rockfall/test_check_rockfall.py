@@ -41,10 +41,18 @@ capacity = 5e5
 chunk = 300
 [[rock]]
 name = "block"
+kind = "builder"
+form = "flat"
+volume = 0.2
+density = 2500.0
 [[release]]
 rocks = ["block"]
+kind = "points"
+points = [[{EAST + 4}, {NORTH + 4}]]
 [[release]]
 rocks = ["block"]
+kind = "points"
+points = [[{EAST + 4}, {NORTH + 4}]]
 """
 
 

@@ -245,13 +245,6 @@ def test_what_stands_is_complete():
     }
 
 
-def test_references_to_rocks_and_shapes_exist():
-    rock = [{"name": "slab", "kind": "shape", "shape": "blok"}]
-    found = rules(body=None, rock=rock, release=[{"rocks": ["slap"]}])
-    assert found["release.0.rocks.0"] == 'no rock has this name; did you mean "slab"?'
-    assert found["rock.0.shape"] == 'no shape has this name; did you mean "block"?'
-
-
 def test_trajectories_are_a_number_or_a_list():
     assert Scene(**tables()).output.trajectories == 50
     chosen = Scene(**tables(output={"trajectories": np.array([3, 7])}))

@@ -1,4 +1,4 @@
-"""Rules of rockfall: classes that exist, areas that are areas, names that refer to something."""
+"""Rules of rockfall: classes that exist, areas that are areas, what stands on them."""
 
 from __future__ import annotations
 
@@ -169,21 +169,6 @@ def standing(scene: Any) -> Iterator[Fault]:
             )
 
 
-def references(scene: Any) -> Iterator[Fault]:
-    """Releases name rocks there are, rocks shapes there are."""
-    names = [name for _, rock in tables(scene, "rock") if (name := text(rock, "name"))]
-    for index, release in tables(scene, "release"):
-        for place, name in enumerate(entries(release, "rocks")):
-            if isinstance(name, str) and name not in names:
-                rule = _unknown("rock", name, names)
-                yield Fault(("release", index, "rocks", place), name, rule)
-    shapes = [name for _, shape in tables(scene, "shape") if (name := text(shape, "name"))]
-    for index, rock in tables(scene, "rock"):
-        shape = text(rock, "shape")
-        if shape and text(rock, "kind") == "shape" and shape not in shapes:
-            yield Fault(("rock", index, "shape"), shape, _unknown("shape", shape, shapes))
-
-
 ROCKFALL_RULES = (
     known_classes,
     own_classes,
@@ -191,5 +176,4 @@ ROCKFALL_RULES = (
     ground_files,
     terrain_file,
     standing,
-    references,
 )

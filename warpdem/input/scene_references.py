@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 
-_NAMED = ("shape", "group", "body", "fill", "bond", "terrain_class", "barrier", "rock")
+_NAMED = ("shape", "group", "body", "fill", "bond", "terrain_class", "barrier")
 
 
 def unique_names(scene: Any) -> Iterator[Fault]:

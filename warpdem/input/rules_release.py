@@ -1,0 +1,3 @@
+"""Provisional."""
+
+RULES = ()
