@@ -142,6 +142,24 @@ def test_check_passes_on_why_releases_cannot_start(scene, monkeypatch):
     assert check(scene).problems == (fault,)
 
 
+def test_check_goes_on_where_releases_are_refused_at_once(scene, monkeypatch):
+    fault = Problem("s.toml:30", "release[0].points", "outside the terrain")
+
+    def refuse(self, scene, site, rocks):
+        raise SceneError("s.toml", [fault])
+
+    monkeypatch.setattr(StandIn, "__init__", refuse)
+    report = check(scene)
+    assert report.problems == (fault,)
+    assert "x 2790000.000 to 2790010.000" in str(report)
+
+
+def test_check_misses_what_a_format_needs(scene, monkeypatch):
+    monkeypatch.setattr("warpdem.checks.rockfall.find_spec", lambda name: None)
+    changed = load(scene.source, ['output.formats=["tif"]'])
+    assert "pip install 'warpdem[geo]'" in str(check(changed).problems[-1])
+
+
 def test_the_command_prints_the_report_and_fails_on_problems(scene, capsys, monkeypatch):
     assert main(["check", str(scene.source)]) == 2
     monkeypatch.setattr(StandIn, "count", 1)

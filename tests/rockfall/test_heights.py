@@ -69,6 +69,19 @@ def test_tabs_and_broken_lines_of_an_asc_are_read(tmp_path):
     assert read_raster(file).heights.tolist() == [[1.0, 2.0], [3.0, 4.0]]
 
 
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("ncols", "2.5"), ("nrows", "-2"), ("ncols", "nan"), ("nrows", "inf"), ("cellsize", "inf")],
+)
+def test_a_header_of_impossible_numbers_is_refused(tmp_path, key, value):
+    file = tmp_path / "t.asc"
+    header = {"ncols": "2", "nrows": "2", "xllcorner": "0", "yllcorner": "0", "cellsize": "1"}
+    lines = [f"{name} {number}" for name, number in (header | {key: value}).items()]
+    file.write_text("\n".join([*lines, "1 2", "3 4"]))
+    with pytest.raises(GeometryError, match=f"{key} must be"):
+        read_raster(file)
+
+
 def test_cells_beside_a_gap_are_unknown():
     heights = np.zeros((6, 6))
     heights[2, 3] = np.nan  # the fourth row from the south

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from warpdem.checks.rockfall_report import ClassLine, RockfallReport
+from warpdem.checks.rockfall_report import (
+    CELL_BYTES,
+    RESULT_BYTES,
+    TRAJECTORY_BYTES,
+    ClassLine,
+    RockfallReport,
+)
 from warpdem.errors import SceneError
 from warpdem.input.decode import problem_at
 from warpdem.rockfall.classes import UNVERIFIED
@@ -28,15 +35,6 @@ FIXED_SHARE = 0.6
 """Share of that which does not grow with the vertices (measured: .52 and .92 us a step with 8 and
 24)."""
 
-CELL_BYTES = 42
-"""Height, slope, class, forest of a cell of the ground, on the host and on the device."""
-
-RESULT_BYTES = 1500
-"""Counts of a cell that is passed: some 20 bins of each of four quantities, sums, rasters."""
-
-TRAJECTORY_BYTES = 290
-"""Start, end, counts and measures of a trajectory."""
-
 RASTERS = 27
 """Passages, deposits, reach; mean, median, q90, q95, q99, max of four quantities."""
 
@@ -54,10 +52,9 @@ def check_rockfall(scene: Scene) -> RockfallReport:
         SceneError: The terrain, what covers it or the rocks cannot be made; carries all problems.
     """
     site = site_of(scene)
-    rocks, releases = rocks_and_starts(scene, site)
-    count = int(releases.count)
-    problems, starts = _started(releases, count)
+    rocks, count, starts, problems = _flights(scene, site)
     problems += _misplaced(scene, site, starts) if starts else []
+    problems += _lacking(scene)
     cells = site.results.rows * site.results.columns
     ground = site.ground.grid
     size = ground.rows * ground.columns
@@ -80,32 +77,37 @@ def check_rockfall(scene: Scene) -> RockfallReport:
     )
 
 
-def rocks_and_starts(scene: Scene, site: Site) -> tuple[tuple[Rock, ...], Any]:
-    """The rocks of a scene, and what starts them: ``count`` and ``starts(ids)``.
-
-    Of a scene with [[release]] these are its releases; else its free bodies.
+def _flights(
+    scene: Scene, site: Site
+) -> tuple[tuple[Rock, ...], int, Starts | None, list[Problem]]:
+    """Rocks, number of trajectories and the first starts, or why there are none of these.
 
     Raises:
-        SceneError: Rocks or releases cannot be made; carries all problems.
+        SceneError: Rocks cannot be made; carries all problems.
     """
     if not scene.release:
         from warpdem.rockfall.bodies import Bodies  # noqa: PLC0415 - builds shapes as `check` does
 
         bodies = Bodies(scene, site)
-        return bodies.rocks, bodies
+        return bodies.rocks, bodies.count, bodies.starts(np.arange(min(bodies.count, SAMPLE))), []
     from warpdem.rockfall.releases import Releases  # noqa: PLC0415 - only with releases
     from warpdem.rockfall.rocks import rocks_of  # noqa: PLC0415 - the same
 
-    rocks = rocks_of(scene)
-    return rocks, Releases(scene, site, rocks)
-
-
-def _started(releases: Any, count: int) -> tuple[list[Problem], Starts | None]:
-    """The first starts, or why there are none."""
+    rocks, count = rocks_of(scene), scene.ensemble.count or 0
     try:
-        return [], releases.starts(np.arange(min(count, SAMPLE)))
+        releases = Releases(scene, site, rocks)
+        count = releases.count
+        return rocks, count, releases.starts(np.arange(min(count, SAMPLE))), []
     except SceneError as error:
-        return list(error.problems), None
+        return rocks, count, None, list(error.problems)
+
+
+def _lacking(scene: Scene) -> list[Problem]:
+    """Formats that cannot be written here."""
+    if not scene.output.rasters or "tif" not in scene.output.formats or find_spec("rasterio"):
+        return []
+    rule = "\"tif\" needs rasterio: pip install 'warpdem[geo]', or leave it out"
+    return [problem_at(scene, ("output", "formats"), rule)]
 
 
 def _misplaced(scene: Scene, site: Site, starts: Starts) -> list[Problem]:

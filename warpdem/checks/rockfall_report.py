@@ -20,6 +20,16 @@ if TYPE_CHECKING:
     from warpdem.rockfall.site import GroundClass, Site
 
 
+CELL_BYTES = 42
+"""Height, slope, class, forest of a cell of the ground, on the host and on the device."""
+
+RESULT_BYTES = 1500
+"""Counts of a cell that is passed: some 20 bins of each of four quantities, sums, rasters."""
+
+TRAJECTORY_BYTES = 290
+"""Start, end, counts and measures of a trajectory."""
+
+
 @dataclass(frozen=True)
 class ClassLine:
     """A class of ground that occurs.
@@ -133,7 +143,10 @@ class RockfallReport:
             f"time    about {_duration(self.seconds)} of CPU: 1 ms a flight of a rock with 8 "
             "vertices, a twentieth more for each other"
         )
-        yield f"memory  about {size_text(self.memory)}"
+        yield (
+            f"memory  about {size_text(self.memory)}: {CELL_BYTES} B a cell of the ground, at most "
+            f"{RESULT_BYTES} B a cell of the results, {TRAJECTORY_BYTES} B a flight"
+        )
         results = self.site.results
         if self.disk:
             yield (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -113,8 +114,11 @@ def _header(path: Path, lines: list[str]) -> tuple[dict[str, float], list[str]]:
             f"{path}: the header lacks {', '.join(missing)}; an ESRI ASCII grid begins with "
             "ncols, nrows, xllcorner, yllcorner, cellsize, NODATA_value"
         )
-    if not header["cellsize"] > 0.0:
-        raise GeometryError(f"{path}: cellsize must be positive")
+    for key in ("ncols", "nrows"):
+        if not (header[key] >= 1.0 and header[key] % 1.0 == 0.0):
+            raise GeometryError(f"{path}: {key} must be a positive whole number")
+    if not (header["cellsize"] > 0.0 and all(map(isfinite, (header[k] for k in _HEADER[:5])))):
+        raise GeometryError(f"{path}: cellsize must be positive, and the header's numbers finite")
     return header, lines[count:]
 
 
