@@ -55,8 +55,9 @@ def steepest(terrain: Terrain, at: vec3, bound: real) -> real:
 
 @functools.cache
 def touch_ground(ground: wp.Function, *, rounded: bool) -> wp.Function:
-    """Function that lists the vertices at or below the ground, with ``warm`` times their last
-    percussions.
+    """Function that lists the vertices at or below the ground.
+
+    Their percussions begin with ``warm`` times the last ones.
     """
 
     @inlined()

@@ -168,8 +168,8 @@ def test_faults_of_keys_and_between_keys_come_together():
         ),
         (
             "radius = 0.1",
-            'radius = 0.1\nitem = "x"',
-            "8  shape[0].item: unknown key here; it belongs to [[shape]]",
+            "radius = 0.1\nextent = 2.0",
+            "8  shape[0].extent: unknown key here; it belongs to [[shape]]",
         ),
     ],
 )

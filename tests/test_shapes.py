@@ -226,7 +226,7 @@ def test_every_reference_library_is_convex():
 def ground(heights, cell=1.0):
     rows, columns = np.shape(heights)
     x, y = cell * np.arange(columns, dtype=float), cell * np.arange(rows, dtype=float)[::-1]
-    return terrain(Raster(x, y, np.array(heights, float)), name="ground", radius=0.0)
+    return terrain(Raster(x, y, np.array(heights, float), cell), name="ground", radius=0.0)
 
 
 def test_a_raster_lies_where_its_header_says(tmp_path):

@@ -126,7 +126,9 @@ def test_sheets_that_meet_three_to_an_edge_are_drawn_as_pillows():
 
 def test_ground_is_drawn_by_its_triangles_at_the_rounding():
     heights = np.zeros((3, 4))
-    ground = terrain(Raster(np.arange(4.0), np.arange(3.0)[::-1], heights), name="g", radius=0.5)
+    ground = terrain(
+        Raster(np.arange(4.0), np.arange(3.0)[::-1], heights, 1.0), name="g", radius=0.5
+    )
 
     assert len(ground.surface.offsets) - 1 == 12
     assert ground.surface.points[:, 2] == pytest.approx(np.full(12, 0.5))

@@ -23,6 +23,7 @@ from warpdem.input.decode import problem_at
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from warpdem.checks.rockfall_report import RockfallReport
     from warpdem.features import Features
     from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.input.scene import Scene
@@ -46,13 +47,24 @@ CANDIDATES = 11
 """Candidates of each vertex of a free body in a dense packing (measured for cubes, skin 8 %)."""
 
 
-def check(scene: Scene) -> Report:
+def check(scene: Scene) -> Report | RockfallReport:
     """What a scene would build: bodies, features, time step, memory, stages; and its doubts.
+
+    Of a scene with run.method = "nonsmooth", what it would compute.
 
     Raises:
         SceneError: Shapes cannot be built from what the scene says, or bodies not be placed;
             carries all problems.
     """
+    if scene.run.method == "nonsmooth":
+        from warpdem.checks.rockfall import check_rockfall  # noqa: PLC0415 - it uses build_shapes
+
+        return check_rockfall(scene)
+    return check_smooth(scene)
+
+
+def check_smooth(scene: Scene) -> Report:
+    """What a scene with run.method = "smooth" would build; raises as ``check`` does."""
     check_custom_laws(scene)
     polyhedra = build_shapes(scene)
     flow_of(scene)

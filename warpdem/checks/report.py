@@ -89,21 +89,21 @@ class Report:
         yield f"{self.file}: {self.title}" if self.title else self.file
         mass = f", {self.mass:.4g} kg" if self.free_count else ""
         yield f"bodies  {self.free_count} free, {self.fixed_count} fixed{mass}"
-        yield from _columns(
+        yield from columns(
             ("shape", "kind", "free", "fixed", "vertices", "edges", "faces", "volume [m^3]"),
             [
                 (s.name, s.kind, s.free, s.fixed, s.vertices, s.edges, s.faces, f"{s.volume:.6g}")
                 for s in self.shapes
             ],
         )
-        yield from _columns(("group", "free", "fixed"), self.groups)
+        yield from columns(("group", "free", "fixed"), self.groups)
         yield f"stages  {' . '.join(self.stages)}"
         if self.step:
             yield from _step_lines(self.step, self.duration)
         yield f"output  {self.frames} frames"
-        yield f"memory  about {_bytes(self.memory)}"
+        yield f"memory  about {size_text(self.memory)}"
         for word in ("notes", "warnings", "problems"):
-            yield from _listed(word, getattr(self, word))
+            yield from listed(word, getattr(self, word))
 
 
 def _step_lines(step: TimeStep, duration: float) -> Iterator[str]:
@@ -119,7 +119,7 @@ def _step_lines(step: TimeStep, duration: float) -> Iterator[str]:
         )
 
 
-def _columns(head: Sequence[str], rows: Sequence[Sequence[object]]) -> Iterator[str]:
+def columns(head: Sequence[str], rows: Sequence[Sequence[object]]) -> Iterator[str]:
     """A table, texts to the left and numbers to the right; nothing without rows."""
     if not rows:
         return
@@ -134,12 +134,14 @@ def _columns(head: Sequence[str], rows: Sequence[Sequence[object]]) -> Iterator[
         yield "  " + "  ".join(aligned).rstrip()
 
 
-def _bytes(count: int) -> str:
+def size_text(count: int) -> str:
+    """A number of bytes in MB or GB."""
     size, unit = count / 1e6, "MB"
     return f"{size:.3g} {unit}" if size < 1e3 else f"{size / 1e3:.3g} GB"
 
 
-def _listed(word: str, entries: Sequence[object]) -> Iterator[str]:
+def listed(word: str, entries: Sequence[object]) -> Iterator[str]:
+    """Entries below a word; nothing without entries."""
     if entries:
         yield f"{word}:"
         yield from (f"  {entry}" for entry in entries)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from math import isfinite
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -18,9 +19,8 @@ if TYPE_CHECKING:
 
     from warpdem.arrays import FloatArray, IntArray
 
-# heights are nodes: corner and centre of the lowest left cell both say where that node is
-_CENTRES = {"xllcenter": "xllcorner", "yllcenter": "yllcorner"}
 _HEADER = ("ncols", "nrows", "xllcorner", "yllcorner", "cellsize", "nodata_value")
+_CENTRES = {"xllcenter": "xllcorner", "yllcenter": "yllcorner"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,15 +31,39 @@ class Raster:
         x: Of the columns, rising [m], shape [column_count].
         y: Of the rows, falling: the first row lies in the north [m], shape [row_count].
         heights: NaN where there are no data [m], shape [row_count, column_count].
+        cell: Distance of neighbouring nodes [m].
+        crs: Reference system, empty when the file does not say.
     """
 
     x: FloatArray
     y: FloatArray
     heights: FloatArray
+    cell: float
+    crs: str = ""
 
 
-def read_raster(path: Path) -> Raster:
-    """An ESRI ASCII grid; xllcorner, yllcorner are the node in the last row, first column.
+def raster_of(
+    heights: FloatArray, west: float, south: float, cell: float, *, crs: str = ""
+) -> Raster:
+    """Heights and the place of the node in the last row, first column."""
+    rows, columns = heights.shape
+    return Raster(
+        west + cell * np.arange(columns, dtype=np.float64),
+        south + cell * np.arange(rows, dtype=np.float64)[::-1],
+        heights,
+        cell,
+        crs,
+    )
+
+
+def read_raster(path: Path, nodes: Literal["corner", "centre"] = "corner") -> Raster:
+    """An ESRI ASCII grid.
+
+    Args:
+        path: The file.
+        nodes: Where the height of the last row, first column lies: at (xllcorner, yllcorner), or in
+            the centre of the cell that has its corner there. xllcenter, yllcenter are its place in
+            both cases.
 
     Raises:
         GeometryError: The file cannot be read or understood.
@@ -52,9 +76,10 @@ def read_raster(path: Path) -> Raster:
     header, rest = _header(path, lines)
     columns, rows = int(header["ncols"]), int(header["nrows"])
     try:
-        heights = np.array(" ".join(rest).split(), np.float64)
+        parts = [np.array(line.split(), np.float64) for line in rest]
     except ValueError as error:
         raise GeometryError(f"{path}: {error}") from None
+    heights = np.concatenate([np.zeros(0), *parts])
     if len(heights) != rows * columns or min(rows, columns) < 2:
         raise GeometryError(
             f"{path}: {rows} rows of {columns} heights are announced (two of two at least), "
@@ -63,33 +88,38 @@ def read_raster(path: Path) -> Raster:
     if "nodata_value" in header:
         heights[heights == header["nodata_value"]] = np.nan
     cell = header["cellsize"]
-    return Raster(
-        header["xllcorner"] + cell * np.arange(columns, dtype=np.float64),
-        header["yllcorner"] + cell * np.arange(rows, dtype=np.float64)[::-1],
-        heights.reshape(rows, columns),
-    )
+    half = 0.5 * cell if nodes == "centre" else 0.0
+    west, south = (header.get(f"{axis}llcenter", header[f"{axis}llcorner"] + half) for axis in "xy")
+    return raster_of(heights.reshape(rows, columns), west, south, cell)
 
 
 def _header(path: Path, lines: list[str]) -> tuple[dict[str, float], list[str]]:
     """Header values by key in small letters, and the lines that follow."""
     header: dict[str, float] = {}
+    count = 0
     for number, line in enumerate(lines):
-        key, _, value = line.strip().partition(" ")
-        known = _CENTRES.get(key.lower(), key.lower())
-        if known not in _HEADER:
+        key, *values = line.split() or [""]
+        known = key.lower()
+        if known not in {*_HEADER, *_CENTRES}:
             break
         try:
-            header[known] = float(value)
+            header[known] = float(" ".join(values))
         except ValueError:
             raise GeometryError(f"{path}:{number + 1}: {key} needs a number") from None
+        if known in _CENTRES:
+            header[_CENTRES[known]] = header[known]
+        count = number + 1
     if missing := [key for key in _HEADER[:5] if key not in header]:
         raise GeometryError(
             f"{path}: the header lacks {', '.join(missing)}; an ESRI ASCII grid begins with "
             "ncols, nrows, xllcorner, yllcorner, cellsize, NODATA_value"
         )
-    if not header["cellsize"] > 0.0:
-        raise GeometryError(f"{path}: cellsize must be positive")
-    return header, lines[len(header) :]
+    for key in ("ncols", "nrows"):
+        if not (header[key] >= 1.0 and header[key] % 1.0 == 0.0):
+            raise GeometryError(f"{path}: {key} must be a positive whole number")
+    if not (header["cellsize"] > 0.0 and all(map(isfinite, (header[k] for k in _HEADER[:5])))):
+        raise GeometryError(f"{path}: cellsize must be positive, and the header's numbers finite")
+    return header, lines[count:]
 
 
 def terrain(raster: Raster, *, name: str, radius: float) -> Polyhedron:

@@ -10,6 +10,9 @@ from warpdem.input.rules_cell import CELL_RULES
 from warpdem.input.rules_contact import attraction, dashpot, laws_of_their_own, programs
 from warpdem.input.rules_driver import DRIVER_RULES
 from warpdem.input.rules_force import forces
+from warpdem.input.rules_method import METHOD_RULES
+from warpdem.input.rules_release import RULES as RELEASE_RULES
+from warpdem.input.rules_rockfall import ROCKFALL_RULES
 from warpdem.input.rules_surface import containers, surfaces_stand
 from warpdem.input.scene_reading import Fault, entries, given, number, numbers, read, tables, text
 from warpdem.input.scene_references import (
@@ -172,6 +175,9 @@ RULES = (
     *CELL_RULES,
     *DRIVER_RULES,
     *BOND_RULES,
+    *METHOD_RULES,
+    *ROCKFALL_RULES,
+    *RELEASE_RULES,
 )
 
 

@@ -17,7 +17,7 @@ from warpdem.input import overrides as settings
 from warpdem.input.consistency import consistency
 from warpdem.input.lines import line_of, lines_of
 from warpdem.input.scene import Scene
-from warpdem.input.scene_reading import Fault, tables, text
+from warpdem.input.scene_reading import Fault, read, tables, text
 from warpdem.input.wording import faults_of, key_text, shown
 
 if TYPE_CHECKING:
@@ -156,11 +156,15 @@ def _override(
     return data, changed, problems
 
 
+_WITH_FILES = ("shape", "force", "driver", "ground", "forest", "tree", "rock", "release")
+
+
 def _files(data: dict[str, Any], directory: Path) -> list[Fault]:
     faults = []
-    kinds = ("shape", "force", "driver")
-    named = [(kind, *entry) for kind in kinds for entry in tables(data, kind)]
-    for kind, index, table in named:
+    named: list[tuple[KeyPath, Any]] = [
+        ((kind, index), table) for kind in _WITH_FILES for index, table in tables(data, kind)
+    ]
+    for path, table in [*named, (("terrain",), read(data, "terrain"))]:
         file = text(table, "file")
         try:
             lacking = file and not (directory / file).is_file()
@@ -168,7 +172,7 @@ def _files(data: dict[str, Any], directory: Path) -> list[Fault]:
             lacking = True
         if lacking:
             rule = f"there is no such file in {directory.absolute()}"
-            faults.append(Fault((kind, index, "file"), file, rule))
+            faults.append(Fault((*path, "file"), file, rule))
     return faults
 
 

@@ -23,6 +23,11 @@ def sections(annotation: Any) -> Iterator[type[Section]]:
         yield from sections(part)
 
 
+def fields(section: type[Section]) -> dict[str, FieldInfo]:
+    """The fields of a kind of table by the keys of a file."""
+    return {field.alias or name: field for name, field in section.model_fields.items()}
+
+
 def section_of(annotation: Any, table: Any) -> type[Section] | None:
     """The kind of table that ``table`` is meant to be."""
     choice = list(sections(annotation))
@@ -39,9 +44,9 @@ def section_at(path: Path, data: Any) -> type[Section] | None:
     for part in path:
         data = entry(data, part)
         if isinstance(part, str):
-            if section is None or part not in section.model_fields:
+            if section is None or part not in fields(section):
                 return None
-            annotation = section.model_fields[part].annotation
+            annotation = fields(section)[part].annotation
         section = section_of(annotation, data)
     return section
 
@@ -58,7 +63,7 @@ def field_at(path: Path, data: Any) -> FieldInfo | None:
     while path and isinstance(path[-1], int):
         path = path[:-1]
     section = section_at(path[:-1], data) if path else None
-    return section.model_fields.get(str(path[-1])) if section else None
+    return fields(section).get(str(path[-1])) if section else None
 
 
 def is_list(field: FieldInfo | None) -> bool:
@@ -77,6 +82,6 @@ def homes(key: str) -> list[str]:
     found = []
     for name, field in Scene.model_fields.items():
         choice = list(sections(field.annotation))
-        if any(key in one.model_fields for one in choice):
+        if any(key in fields(one) for one in choice):
             found.append(f"[[{name}]]" if is_list(field) else f"[{name}]")
     return found

@@ -6,7 +6,7 @@ import re
 import tomllib
 from typing import TYPE_CHECKING, Any
 
-from warpdem.input.legal import entry, field_at, is_list, section_at
+from warpdem.input.legal import entry, field_at, fields, is_list, section_at
 from warpdem.input.suggestions import did_you_mean
 from warpdem.input.wording import key_text
 
@@ -70,7 +70,7 @@ def _must_exist(node: Any, path: Path, part: str | int, data: dict[str, Any]) ->
         )
     if not many and not section and not isinstance(node, dict):
         raise ValueError(f"{place} is a value, it has no keys")
-    legal = list(section.model_fields) if section else list(node or ())
+    legal = list(fields(section)) if section else list(node or ())
     if not many and part not in legal:
         hint = did_you_mean(str(part), legal)
         raise ValueError(f"{place} has no key {part}{hint or ';'} its keys are {', '.join(legal)}")

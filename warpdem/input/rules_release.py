@@ -1,3 +1,4 @@
+<<<<<<< HEAD
 """Rules on the releases of a scene, and on the rocks they name."""
 
 from __future__ import annotations
@@ -130,3 +131,8 @@ RULES = (
     release_tables,
     release_count,
 )
+=======
+"""Provisional."""
+
+RULES = ()
+>>>>>>> scene

@@ -4,7 +4,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from pydantic import (
+    Discriminator,
+    Field,
+    PrivateAttr,
+    Tag,
+    ValidationError,
+    model_validator,
+)
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from warpdem.input.consistency import consistency
@@ -14,6 +21,17 @@ from warpdem.input.scene_contact import Contact
 from warpdem.input.scene_driver import Driver
 from warpdem.input.scene_fill import Fill
 from warpdem.input.scene_force import Force
+from warpdem.input.scene_release import Release
+from warpdem.input.scene_rock import Rock
+from warpdem.input.scene_rockfall import (
+    Barrier,
+    Ensemble,
+    Forest,
+    GroundArea,
+    Terrain,
+    TerrainClass,
+    Tree,
+)
 from warpdem.input.scene_run import Run
 from warpdem.input.scene_shapes import Shape
 from warpdem.input.scene_values import (
@@ -23,6 +41,13 @@ from warpdem.input.scene_values import (
     Section,
     Vector,
 )
+
+Count = Annotated[int, Field(ge=0, le=2**40)]
+CountOrList = Annotated[
+    Annotated[Count, Tag("number")]
+    | Annotated[tuple[Count, ...], Field(strict=False), Tag("list")],
+    Discriminator(lambda value: "list" if isinstance(value, list | tuple) else "number"),
+]
 
 
 class Gravity(Section):
@@ -130,6 +155,27 @@ class Output(Section):
     ] = ("body", "group", "cluster", "fragment", "speed", "velocity", "spin", "force", "mass")
     """What is written with the surfaces; fragment when there are bonds."""
 
+    rasters: bool = True
+    """Rockfall: write passages, deposits, energies and so on of the cells of the terrain."""
+
+    cellsize: Positive | None = None
+    """Rockfall: edge length of these cells [m]; default: that of the terrain."""
+
+    formats: Annotated[tuple[Literal["asc", "tif"], ...], Field(min_length=1, strict=False)] = (
+        "asc",
+    )
+    """Rockfall: "asc", ESRI ASCII grids; "tif", GeoTIFF with the reference system (extra geo)."""
+
+    trajectories: CountOrList = 50
+    """Rockfall: trajectories written as lines (VTU, CSV); how many from the first, or a list of
+    their numbers."""
+
+    trajectory_every: Positive = 0.05
+    """Rockfall: time between two points of such a line [s]."""
+
+    map: bool = True
+    """Rockfall: draw a map (map.png)."""
+
 
 class Scene(Section):
     """All of a simulation's input, in SI units; one TOML file."""
@@ -167,6 +213,33 @@ class Scene(Section):
     """[[driver]]: what moves fixed bodies."""
     bond: Annotated[tuple[Bond, ...], Field(strict=False)] = ()
     """[[bond]]: breakable bonds between bodies."""
+
+    terrain: Terrain | None = None
+    """[terrain]: the ground of rockfall."""
+
+    terrain_class: Annotated[tuple[TerrainClass, ...], Field(strict=False)] = ()
+    """[[terrain_class]]: classes of ground of one's own."""
+
+    ground: Annotated[tuple[GroundArea, ...], Field(strict=False)] = ()
+    """[[ground]]: where other classes hold."""
+
+    forest: Annotated[tuple[Forest, ...], Field(strict=False)] = ()
+    """[[forest]]: where forests stand."""
+
+    tree: Annotated[tuple[Tree, ...], Field(strict=False)] = ()
+    """[[tree]]: single trees."""
+
+    barrier: Annotated[tuple[Barrier, ...], Field(strict=False)] = ()
+    """[[barrier]]: screens that record what crosses, or stop it."""
+
+    rock: Annotated[tuple[Rock, ...], Field(strict=False)] = ()
+    """[[rock]]: the rocks that fall, by name."""
+
+    release: Annotated[tuple[Release, ...], Field(strict=False)] = ()
+    """[[release]]: where and how rocks start."""
+
+    ensemble: Ensemble = Ensemble()
+    """[ensemble]: how many trajectories."""
 
     output: Output = Output()
     """[output]: what is written."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from keyword import iskeyword
 from math import isfinite
 from typing import Any
 
@@ -23,14 +24,19 @@ class Fault:
     rule: str
 
 
+def attribute(key: str) -> str:
+    """What a key is called in Python, where words such as ``class`` are taken."""
+    return f"{key}_" if iskeyword(key) else key
+
+
 def read(table: Any, key: str) -> Any:
     """The value of a key of a table or model; None when it has none."""
-    return table.get(key) if isinstance(table, Mapping) else getattr(table, key, None)
+    return table.get(key) if isinstance(table, Mapping) else getattr(table, attribute(key), None)
 
 
 def given(table: Any, key: str) -> bool:
     """Whether the key was written rather than left at its default."""
-    return key in (table if isinstance(table, Mapping) else table.model_fields_set)
+    return key in table if isinstance(table, Mapping) else attribute(key) in table.model_fields_set
 
 
 def text(table: Any, key: str) -> str | None:

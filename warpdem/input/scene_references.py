@@ -12,9 +12,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 
+_NAMED = ("shape", "group", "body", "fill", "bond", "terrain_class", "barrier")
+
+
 def unique_names(scene: Any) -> Iterator[Fault]:
     """One thing of a kind bears a name."""
-    for kind in ("shape", "group", "body", "fill", "bond"):
+    for kind in _NAMED:
         first: dict[str, int] = {}
         for index, entry in tables(scene, kind):
             name = text(entry, "name")
@@ -130,7 +133,8 @@ def contact_pairs(scene: Any) -> Iterator[Fault]:
             rule = f"contact[{first[frozenset(pair)]}] is for these groups already"
             yield Fault(("contact", index, "groups"), pair, rule)
     missing = [pair for pair in meeting_groups(scene) if frozenset(pair) not in first]
-    if missing and readable:
+    alone = read(read(scene, "run"), "method") == "nonsmooth"  # bodies do not meet one another
+    if missing and readable and not alone:
         listed = ", ".join(f'["{a}", "{b}"]' for a, b in missing[:12])
         more = f" and {len(missing) - 12} more" if len(missing) > 12 else ""
         yield Fault(("contact",), None, f"groups that can meet lack a [[contact]]: {listed}{more}")

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
-from warpdem.input.scene_values import Positive, Section
+from warpdem.input.scene_values import NotNegative, Positive, Section
 
 
 def _device(name: str) -> str:
@@ -100,10 +100,11 @@ class Run(Numerics):
 
     dt: AutoOrPositive = "auto"
     """Time step [s]; "auto": a twentieth of the shortest contact and half of the stability bound,
-    then reduced to divide output.every."""
+    then reduced to divide output.every. Of "nonsmooth" the largest step; "auto": 5e-3."""
 
-    method: Literal["smooth"] = "smooth"
-    """"smooth": deformable contacts, resolved in time."""
+    method: Literal["smooth", "nonsmooth"] = "smooth"
+    """"smooth": deformable contacts, resolved in time; "nonsmooth": rockfall, each rock alone on
+    hard ground, with impulses."""
 
     device: Annotated[str, AfterValidator(_device)] = "auto"
     """"auto" (a CUDA device if there is one), "cpu", "cuda" or "cuda:N"."""
@@ -133,6 +134,25 @@ class Run(Numerics):
     """How attraction at a distance (contact.dncut) goes on in contact: "exadem", fc is taken off
     the repulsion, without a jump; "documented", the force is held at -fc up to an overlap of dncut
     and may pull without bound beyond, with a jump at touch."""
+
+    stride: NotNegative = 0.03
+    """Of "nonsmooth": longest way of any point of a rock in a step, over its bounding radius [-];
+    0: all steps have run.dt."""
+
+    tolerance: Annotated[float, Field(gt=0, le=1e-2)] = 1e-4
+    """Of "nonsmooth": change of contact velocities, relative to the largest, at which the solution
+    of a step is good enough [-]."""
+
+    gyroscope: Literal["midpoint", "leine"] = "midpoint"
+    """Of "nonsmooth": how free spin is stepped: "midpoint", second order; "leine", as published,
+    first order."""
+
+    skip: Literal["jump", "sphere", "none"] = "jump"
+    """Of "nonsmooth": work left out in the air: "jump", whole stretches of flight in one step, and
+    the vertices while the bounding sphere is clear of the ground; "sphere", the latter; "none"."""
+
+    lift: Annotated[float, Field(ge=0, le=1)] = 0.0
+    """Of "nonsmooth": share of the depth beyond 1 mm by which a step lifts a rock [-]; 0: never."""
 
     list_distance: Positive | None = None
     """Rockable's dVerlet [m]: features farther apart are unseen until lists are renewed; only with

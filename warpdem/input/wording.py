@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from warpdem.input.legal import entry, field_at, homes, section_at, sections
+from warpdem.input.legal import entry, field_at, fields, homes, section_at, sections
 from warpdem.input.scene_reading import Fault, Path
 from warpdem.input.suggestions import did_you_mean, nearest
 
@@ -24,7 +24,11 @@ BESIDE_WORDS = {
 }
 """What else a key takes that takes certain words."""
 
-BESIDE_NUMBERS = {"dt": ' or "auto"', "skin": ' or "auto"'}
+BESIDE_NUMBERS = {
+    "dt": ' or "auto"',
+    "skin": ' or "auto"',
+    "trajectories": " or a list of such",
+}
 """What else a key takes that takes a number."""
 
 FIXED = {"finite_number": "must be finite", "string_too_short": "must not be empty"}
@@ -158,7 +162,7 @@ def _choice(value: Any, expected: str) -> str:
 
 def _unknown(path: Path, data: Any) -> str:
     section = section_at(path[:-1], data)
-    legal = list(section.model_fields) if section else []
+    legal = list(fields(section)) if section else []
     key = str(path[-1])
     if nearest(key, legal):
         return f"unknown key{did_you_mean(key, legal)}"
@@ -202,7 +206,7 @@ def _wanted(kind: str, path: Path, data: Any) -> str:
     if kind == "tuple_type":
         return f"must be written as [[{name}]]" if tables and len(path) == 1 else "must be a list"
     if tables:
-        keys = " with " + ", ".join(tables[0].model_fields) if len(tables) == 1 else ""
+        keys = " with " + ", ".join(fields(tables[0])) if len(tables) == 1 else ""
         return f"must be written as [{name}]" if len(path) == 1 else f"must be a table{keys}"
     words = {
         "float_type": "must be a number",

@@ -1,0 +1,187 @@
+import subprocess
+import sys
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+from grids import write_asc
+
+from warpdem.__main__ import main
+from warpdem.checks.check import check
+from warpdem.errors import Problem, SceneError
+from warpdem.input.decode import load
+from warpdem.rockfall.flights import Starts
+from warpdem.rockfall.rock import Rock
+
+EAST, NORTH = 2790000.0, 1180000.0
+WEST = [[EAST, NORTH], [EAST + 5, NORTH], [EAST + 5, NORTH + 8], [EAST, NORTH + 8]]
+TEXT = f"""
+title = "a slope"
+[run]
+method = "nonsmooth"
+duration = 30.0
+[terrain]
+file = "t.asc"
+class = "hard"
+nodes = "corner"
+crs = "EPSG:2056"
+[[ground]]
+class = "soft"
+polygon = {WEST}
+[[forest]]
+density = "open"
+height = 20.0
+polygon = {WEST}
+[[barrier]]
+name = "net"
+line = [[0, 0], [1, 1]]
+height = 3.0
+capacity = 5e5
+[ensemble]
+chunk = 300
+[[rock]]
+name = "block"
+kind = "builder"
+form = "flat"
+volume = 0.2
+density = 2500.0
+[[release]]
+rocks = ["block"]
+kind = "points"
+points = [[{EAST + 4}, {NORTH + 4}]]
+[[release]]
+rocks = ["block"]
+kind = "points"
+points = [[{EAST + 4}, {NORTH + 4}]]
+"""
+
+
+class StandIn:
+    """Releases of which some start outside the terrain, or where it has no data."""
+
+    count = 1000
+
+    def __init__(self, scene, site, rocks):
+        self.place = np.array([[5.0, 5.0], [-1.0, 3.0], [8.5, 6.5], [4.0, 4.0]])
+
+    def starts(self, ids):
+        n = len(ids)
+        place = np.column_stack([self.place[ids % 4], np.full(n, 9.0)])
+        zero = np.zeros((n, 3))
+        release = (ids % 4 >= 2).astype(np.int32)
+        turn = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
+        return Starts(ids, release, np.zeros(n, np.int32), place, turn, zero, zero)
+
+
+def block(vertices=24):
+    corners = np.random.default_rng(0).normal(size=(vertices, 3))
+    none = np.zeros((0, 3))
+    return Rock("block", corners, 0.0, none[:, :2], 500.0, np.ones(3), none, none)
+
+
+@pytest.fixture
+def scene(tmp_path, monkeypatch):
+    heights = np.tile(1500.25 + 0.5 * np.arange(11.0), (9, 1))
+    heights[0, 10] = np.nan
+    heights[2, 8] = np.nan
+    write_asc(tmp_path / "t.asc", heights, x=EAST, y=NORTH)
+    (tmp_path / "s.toml").write_text(TEXT)
+    for name, entries in {
+        "releases": {"Releases": StandIn},
+        "rocks": {"rocks_of": lambda scene: (block(),)},
+    }.items():
+        module = ModuleType(name)
+        vars(module).update(entries)
+        monkeypatch.setitem(sys.modules, f"warpdem.rockfall.{name}", module)
+    return load(tmp_path / "s.toml")
+
+
+def test_check_tells_extent_classes_and_what_stands(scene):
+    text = str(check(scene))
+    assert "10 x 8 cells of 1 m, 6.25 % without data" in text
+    assert "x 2790000.000 to 2790010.000, y 1180000.000 to 1180008.000" in text
+    assert "z 1500.250 to 1505.250, slope at most 26.6 degrees" in text
+    assert "reference system EPSG:2056" in text
+    assert "50 % of the cells: 250 kg/s up to 20 m" in text
+    assert "barrier net: 3 m high, takes 500000 J" in text
+
+
+def test_check_marks_unverified_classes(scene):
+    report = check(scene)
+    (soft,) = [line for line in str(report).splitlines() if line.startswith("  soft")]
+    assert "UNVERIFIED" in soft
+    assert "53.3 %" in soft
+    assert report.warnings[0].startswith("UNVERIFIED")
+    assert "none of its points lies on the terrain" in report.warnings[1]
+
+
+def test_check_estimates_time_memory_and_files(scene):
+    report = check(scene)
+    assert report.count == 1000
+    assert "flights 1000, 4 chunks of 300" in str(report)
+    assert report.seconds == pytest.approx(1000 * 1e-3 * (0.6 + 0.4 * 24 / 8))
+    assert report.memory == 80 * (42 + 1500) + 1000 * 290
+    assert report.disk == 27 * 80 * 10
+
+
+def test_check_finds_releases_beside_the_terrain_and_in_its_gaps(scene):
+    messages = [str(problem) for problem in check(scene).problems]
+    assert len(messages) == 2
+    assert "release[0]: 250 of 500 rocks start outside the terrain" in messages[0]
+    assert "(2789999.00, 1180003.00)" in messages[0]
+    assert "release[1]: 250 of 500 rocks start where the terrain has no data" in messages[1]
+
+
+def test_check_passes_on_why_releases_cannot_start(scene, monkeypatch):
+    fault = Problem("s.toml:30", "release[0]", "no room")
+
+    def refuse(self, ids):
+        raise SceneError("s.toml", [fault])
+
+    monkeypatch.setattr(StandIn, "starts", refuse)
+    assert check(scene).problems == (fault,)
+
+
+def test_check_goes_on_where_releases_are_refused_at_once(scene, monkeypatch):
+    fault = Problem("s.toml:30", "release[0].points", "outside the terrain")
+
+    def refuse(self, scene, site, rocks):
+        raise SceneError("s.toml", [fault])
+
+    monkeypatch.setattr(StandIn, "__init__", refuse)
+    report = check(scene)
+    assert report.problems == (fault,)
+    assert "x 2790000.000 to 2790010.000" in str(report)
+
+
+def test_check_misses_what_a_format_needs(scene, monkeypatch):
+    monkeypatch.setattr("warpdem.checks.rockfall.find_spec", lambda name: None)
+    changed = load(scene.source, ['output.formats=["tif"]'])
+    assert "pip install 'warpdem[geo]'" in str(check(changed).problems[-1])
+
+
+def test_the_command_prints_the_report_and_fails_on_problems(scene, capsys, monkeypatch):
+    assert main(["check", str(scene.source)]) == 2
+    monkeypatch.setattr(StandIn, "count", 1)
+    assert main(["check", str(scene.source)]) == 0
+    assert "a slope" in capsys.readouterr().out
+
+
+def test_check_asks_only_for_what_there_is(scene, monkeypatch):
+    asked = SimpleNamespace(most=0)
+    starts = StandIn.starts
+
+    def watched(self, ids):
+        asked.most = max(asked.most, len(ids))
+        return starts(self, ids)
+
+    monkeypatch.setattr(StandIn, "starts", watched)
+    monkeypatch.setattr(StandIn, "count", 10**9)
+    assert check(scene).seconds == pytest.approx(1.8e6)
+    assert asked.most == 10_000
+
+
+def test_checking_rockfall_does_not_load_warp():
+    code = "import sys, warpdem.checks.rockfall, warpdem.rockfall.bodies; "
+    code += "sys.exit('warp' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
