@@ -14,6 +14,7 @@ DEVICE_SIDE = {
     "bonding",
     "build",
     "compile",
+    "device",
     "device_forces",
     "device_shapes",
     "devices",
@@ -31,6 +32,7 @@ DEVICE_SIDE = {
     "state",
     "step_bound",
     "stepper",
+    "trajectories",
 }
 
 

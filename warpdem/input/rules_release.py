@@ -1,4 +1,3 @@
-<<<<<<< HEAD
 """Rules on the releases of a scene, and on the rocks they name."""
 
 from __future__ import annotations
@@ -131,8 +130,3 @@ RULES = (
     release_tables,
     release_count,
 )
-=======
-"""Provisional."""
-
-RULES = ()
->>>>>>> scene
