@@ -13,6 +13,10 @@ from warpdem.kernels.precision import mat33, quat, real, vec3
 from warpdem.kernels.variant import inlined
 
 
+# of one stretch of free flight
+MOST_STEPS = wp.constant(real(1.0e6))
+
+
 @wp.func
 def turned_by(q: quat, spin: vec3, at: quat, h: real) -> quat:
     """``q`` + h dq/dt for a body spin at the orientation ``at``, at length one."""
@@ -145,11 +149,12 @@ def free_steps(ground: wp.Function, *, jumps: bool, obstacles: bool) -> wp.Funct
             rise = v[2] - slope * level
             safe = (rise + wp.sqrt(rise * rise + real(2.0) * g * clear)) / g
             safe = wp.min(safe, (terrain.reach - bound) / level)
+            safe = wp.min(safe, wp.max(rules.duration - motion.time, dt))
             if wp.static(jumps):
                 safe = wp.min(safe, rules.travel / level)
-            steps = wp.max(0, int(safe / dt))
+            steps = wp.max(0, int(wp.min(safe / dt, MOST_STEPS)))
             if wp.static(jumps):
-                turn = wp.length(motion.spin) * dt + real(1.0e-12)
+                turn = wp.length(motion.spin) * dt + rules.jump_angle / MOST_STEPS
                 steps = wp.min(steps, wp.max(1, int(rules.jump_angle / turn)))
             else:
                 steps = wp.min(steps, 1)

@@ -96,7 +96,8 @@ def _terrain(
     terrain.rows, terrain.columns = grid.rows, grid.columns
     terrain.reach = ground.reach
     span = int(np.ceil(ground.reach / grid.cell - 1e-9))
-    unknown = dilated(ground.known == 0, span)
+    outside = np.pad(ground.known == 0, span, constant_values=True)
+    unknown = dilated(outside, span)[span:-span, span:-span]
     # near the end of the known ground no flight is longer than a step
     terrain.steep = _reals(np.where(unknown, np.inf, ground.steep), device)
     terrain.known = _whole(ground.known, device)
