@@ -154,6 +154,11 @@ def test_check_goes_on_where_releases_are_refused_at_once(scene, monkeypatch):
     assert "x 2790000.000 to 2790010.000" in str(report)
 
 
+def test_check_tells_what_has_no_effect(scene):
+    report = check(load(scene.source, ["output.table=true"]))
+    assert report.warnings[0].startswith("output.table has no effect")
+
+
 def test_check_misses_what_a_format_needs(scene, monkeypatch):
     monkeypatch.setattr("warpdem.checks.rockfall.find_spec", lambda name: None)
     changed = load(scene.source, ['output.formats=["tif"]'])

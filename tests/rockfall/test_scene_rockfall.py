@@ -98,11 +98,10 @@ def test_what_only_the_smooth_method_knows_is_refused_piece_by_piece():
         force=[{"kind": "drag"}],
         driver=[{"kind": "constant", "bodies": ["a"], "velocity": [1, 0, 0]}],
         bond=[{"groups": ["default", "default"]}],
-        output={"contacts": True},
     )
     for path in (
         *("run.compat", "run.partnership", "run.skin", "run.rotation"),
-        *("cell", "force.0", "driver.0", "bond.0", "output.contacts"),
+        *("cell", "force.0", "driver.0", "bond.0"),
     ):
         assert found[path].startswith('only with run.method = "smooth"'), path
 

@@ -41,6 +41,9 @@ RASTERS = 27
 FILE_BYTES = {"asc": 10, "tif": 4}
 """Of a cell in a file of results."""
 
+SMOOTH_OUTPUT = ("contacts", "table", "checkpoint_every")
+"""Files that are asked for and that rockfall has not; the same scene may be run smooth."""
+
 SAMPLE = 10_000
 """Trajectories whose starts are looked at."""
 
@@ -154,6 +157,9 @@ def _warnings(scene: Scene, site: Site) -> Iterator[str]:
             f"{file}: an STL keeps coordinates like these to {step:.2g} m only; "
             "use an OBJ or PLY, or a raster"
         )
+    for key in SMOOTH_OUTPUT:
+        if getattr(scene.output, key):
+            yield f'output.{key} has no effect with run.method = "nonsmooth"'
     names = [one.name for one in site.classes if one.source == UNVERIFIED]
     if names:
         yield (

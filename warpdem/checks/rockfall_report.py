@@ -94,6 +94,9 @@ class RockfallReport:
                 for rock in self.rocks
             ],
         )
+        yield from listed(
+            "notes", [f'rock "{rock.name}": {note}' for rock in self.rocks for note in rock.notes]
+        )
         yield from self._work()
         for word in ("warnings", "problems"):
             yield from listed(word, getattr(self, word))

@@ -33,7 +33,6 @@ SMOOTH_RUN = (
     "cohesion",
     "list_distance",
 )
-SMOOTH_OUTPUT = ("contacts", "table", "checkpoint_every")
 
 
 def nonsmooth(scene: Any) -> bool:
@@ -54,9 +53,6 @@ def smooth_alone(scene: Any) -> Iterator[Fault]:
             path = (name,) if name == "cell" else (name, 0)
             yield Fault(path, None, f"{_other('smooth')}: rocks meet nothing but the ground")
     yield from _chosen(scene, "run", SMOOTH_RUN, Run, "smooth")
-    for key in SMOOTH_OUTPUT:
-        if value := read(read(scene, "output"), key):
-            yield Fault(("output", key), value, _other("smooth"))
 
 
 def rockfall_alone(scene: Any) -> Iterator[Fault]:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from warpdem.errors import GeometryError, WarpdemError
+from warpdem.errors import GeometryError
 from warpdem.rockfall.random import Purpose, Streams
+from warpdem.rockfall.shapefiles import polygons_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -97,25 +98,13 @@ def read_areas(path: Path, origin: FloatArray) -> tuple[Area, ...]:
         GeometryError: The file cannot be read, or holds no polygons.
         WarpdemError: The extra geo is not installed.
     """
-    try:
-        import shapefile  # noqa: PLC0415 - of an extra
-    except ImportError:
-        raise WarpdemError(
-            f"{path}: shapefiles need pyshp; install it with: pip install 'warpdem[geo]'"
-        ) from None
-    try:
-        with shapefile.Reader(str(path)) as reader:
-            outlines = [shape.__geo_interface__ for shape in reader.iterShapes()]
-    except (shapefile.ShapefileException, OSError, ValueError) as error:
-        raise GeometryError(f"{path}: cannot be read as a shapefile: {error}") from None
+    outlines = [shape.__geo_interface__ for shape, _ in polygons_of(path)]
     polygons = []
     for outline in outlines:
         if outline["type"] == "Polygon":
             polygons.append(outline["coordinates"])
         elif outline["type"] == "MultiPolygon":
             polygons.extend(outline["coordinates"])
-    if not polygons:
-        raise GeometryError(f"{path}: holds no polygons")
     return tuple(Area(tuple(_ring(ring, origin) for ring in rings)) for rings in polygons)
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import struct
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from warpdem.errors import GeometryError, WarpdemError
 from warpdem.rockfall.raster_files import value_at
+from warpdem.rockfall.shapefiles import polygons_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,23 +39,7 @@ def read_areas(path: Path) -> tuple[Area, ...]:
         GeometryError: The file cannot be read, or holds no polygons.
         WarpdemError: The extra ``geo`` is not installed.
     """
-    try:
-        import shapefile  # noqa: PLC0415 - of the extra geo
-    except ImportError:
-        raise WarpdemError("a shapefile needs pyshp: pip install 'warpdem[geo]'") from None
-    try:
-        with shapefile.Reader(str(path), encodingErrors="replace") as reader:
-            records = [(one.shape, one.record.as_dict()) for one in reader.iterShapeRecords()]
-    except (shapefile.ShapefileException, struct.error, OSError, ValueError) as error:
-        raise GeometryError(f"{path}: cannot be read as a shapefile: {error}") from None
-    found = tuple(
-        Area(_rings(shape), record)
-        for shape, record in records
-        if shape.shapeTypeName.startswith("POLYGON") and len(shape.points)
-    )
-    if not found:
-        raise GeometryError(f"{path}: holds no polygons")
-    return found
+    return tuple(Area(_rings(shape), record) for shape, record in polygons_of(path))
 
 
 def _rings(shape: Any) -> tuple[FloatArray, ...]:

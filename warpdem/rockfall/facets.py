@@ -74,7 +74,8 @@ def _upward(points: FloatArray, triangles: IntArray, origin: FloatArray) -> IntA
     down = normal[:, 2] < 0.0
     triangles[down] = triangles[down][:, [0, 2, 1]]
     sides = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    _, first, count = np.unique(sides, axis=0, return_index=True, return_counts=True)
+    key = sides[:, 0] * len(points) + sides[:, 1]
+    _, first, count = np.unique(key, return_index=True, return_counts=True)
     if (folded := first[count > 1]).size:
         _refuse(points, triangles[int(folded.min()) // 3], origin)
     return triangles
@@ -116,14 +117,16 @@ def _grid(points: FloatArray, triangles: IntArray) -> Grid:
 def _index(grid: Grid, points: FloatArray, triangles: IntArray) -> tuple[IntArray, IntArray]:
     """First member of each cell, and the triangles whose plan reaches into the cells."""
     corner = points[triangles][:, :, :2]
-    triangle, cell = _cells(grid, corner.min(axis=1), corner.max(axis=1))
-    centre = _centres(grid, cell)
-    meets = np.ones(len(cell), bool)
+    low, high = corner.min(axis=1), corner.max(axis=1)
+    triangle, cell = _cells(grid, low, high)
+    centre, half = _centres(grid, cell), 0.5 * grid.cell
+    # what only touches a cell is left out: else a triangulated raster has 16 members a cell, not 2
+    meets = ((low[triangle] < centre + half) & (high[triangle] > centre - half)).all(axis=1)
     for side in range(3):
         a, b = corner[triangle, side], corner[triangle, (side + 1) % 3]
         inward = np.column_stack([a[:, 1] - b[:, 1], b[:, 0] - a[:, 0]])
-        reach = 0.5 * grid.cell * np.abs(inward).sum(axis=1)
-        meets &= np.einsum("ij,ij->i", centre - a, inward) >= -reach * (1.0 + _NEAR)
+        reach = half * np.abs(inward).sum(axis=1)
+        meets &= np.einsum("ij,ij->i", centre - a, inward) > -reach
     triangle, cell = triangle[meets], cell[meets]
     order = np.argsort(cell, kind="stable")
     count = np.bincount(cell, minlength=grid.rows * grid.columns)
