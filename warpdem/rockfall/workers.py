@@ -1,0 +1,155 @@
+"""Worker processes of Dask, on this machine or on many, that fly chunks."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import threading
+from typing import TYPE_CHECKING, Any, Self
+
+from warpdem.errors import WarpdemError
+from warpdem.rockfall.crew import TICK
+from warpdem.rockfall.task import Pilot
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from types import TracebackType
+
+    from warpdem.rockfall.chunks import Plan
+    from warpdem.rockfall.flights import Starts
+    from warpdem.rockfall.task import Prepared, Work
+
+RETRIES = 2
+"""How often a chunk is tried again whose worker failed."""
+
+WAITING = 4
+"""Chunks handed out for each worker: none waits for its next one, and memory stays small."""
+
+PATIENCE = 1.0
+"""How long to wait for workers to end before they are killed [s]."""
+
+_own = threading.local()
+
+
+def fly_chunk(work: Work, index: int, starts: Starts) -> bytes:
+    """The file of one chunk; runs in a worker, which keeps its flyer for the next one."""
+    if getattr(_own, "fingerprint", None) != (work.fingerprint, work.device):
+        _own.pilot = Pilot(work.flyer())
+        _own.fingerprint = (work.fingerprint, work.device)
+    flights = _own.pilot.fly(starts)
+    return work.chunk(index, flights)
+
+
+class Workers:
+    """Dask's workers, used in a ``with`` statement.
+
+    Attributes:
+        flown: As of ``Crew``; it grows by whole chunks.
+    """
+
+    def __init__(self, prepared: Prepared, scheduler: str | None, count: int) -> None:
+        """Connect to a scheduler, or start ``count`` worker processes on this machine.
+
+        Raises:
+            WarpdemError: The extra is not installed, or the scheduler does not answer.
+        """
+        self._prepared = prepared
+        self.flown = 0
+        self._client, self._cluster = _connected(scheduler, count)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        with contextlib.suppress(Exception):  # whatever is left ends with its processes
+            self._client.close(timeout=PATIENCE)
+        if self._cluster:
+            with contextlib.suppress(Exception):
+                self._cluster.close(timeout=PATIENCE)
+
+    @property
+    def count(self) -> int:
+        """Of threads of workers there are now, at least one."""
+        return max(1, sum(self._client.nthreads().values()))
+
+    @property
+    def about(self) -> dict[str, object]:
+        """As of ``Crew``."""
+        return {"workers": self.count, "scheduler": self._client.scheduler.address}
+
+    def fly(self, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple[int, bytes] | None]:
+        """As of ``Crew``."""
+        work = self._client.scatter(self._prepared.work, broadcast=True)
+        waiting, running = list(reversed(chunks)), {}
+        done: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        try:
+            while waiting or running:
+                while waiting and len(running) < WAITING * self.count:
+                    index = waiting.pop()
+                    future = self._submit(plan, index, work)
+                    running[future] = index
+                    future.add_done_callback(done.put)
+                try:
+                    future = done.get(timeout=TICK)
+                except queue.Empty:
+                    yield None
+                    continue
+                index = running.pop(future)
+                data = _result(future, plan, index)
+                self.flown += plan.trajectories(index)
+                yield index, data
+        finally:
+            self._client.cancel(list(running))
+
+    def _submit(self, plan: Plan, index: int, work: Any) -> Any:
+        starts = self._prepared.releases.starts(plan.ids(index))
+        return self._client.submit(
+            fly_chunk, work, index, starts, retries=RETRIES, pure=False, priority=-index
+        )
+
+
+def _connected(scheduler: str | None, count: int) -> tuple[Any, Any]:
+    """A client, and the cluster it was made with, if any."""
+    try:
+        import dask  # noqa: PLC0415 - the extra
+        import distributed  # noqa: PLC0415 - the same
+    except ImportError as cause:
+        raise WarpdemError(
+            "--workers dask: needs the package distributed; pip install 'warpdem[dask]'"
+        ) from cause
+    if scheduler:
+        try:
+            return distributed.Client(scheduler, timeout="10s"), None
+        except (OSError, ValueError, TypeError) as cause:
+            raise WarpdemError(
+                f"--scheduler {scheduler}: no scheduler answers there; start one with "
+                "`dask scheduler` and give its address, such as tcp://host:8786"
+            ) from cause
+    with dask.config.set({"distributed.scheduler.allowed-failures": RETRIES}):
+        cluster = distributed.LocalCluster(
+            n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None
+        )
+        return distributed.Client(cluster), cluster
+
+
+def _result(future: Any, plan: Plan, index: int) -> bytes:
+    """What a worker made of a chunk.
+
+    Raises:
+        WarpdemError: It failed each time.
+    """
+    try:
+        return future.result()
+    except WarpdemError:
+        raise
+    except Exception as cause:
+        ids = plan.ids(index)
+        raise WarpdemError(
+            f"chunk {index} (trajectories {ids[0]} to {ids[-1]}) failed {RETRIES + 1} times on "
+            f"Dask's workers: {type(cause).__name__}: {cause}; --resume tries it again"
+        ) from cause
