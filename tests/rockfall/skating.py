@@ -1,6 +1,7 @@
 """Stand-ins for scene, site, flights and results of rockfall: rocks that skate by their number."""
 
 import json
+import os
 import sys
 import time
 from dataclasses import fields
@@ -43,6 +44,9 @@ SITE = Site(
 POINT = np.zeros((1, 3))
 EDGE = np.zeros((1, 2), np.int32)
 ROCK = Rock("pebble", POINT, 0.1, EDGE, 1.0, np.ones(3), POINT, np.zeros((1, 3), np.int32))
+FUSE = "SKATING_FUSE"
+"""Names a file: so many processes die of trajectory 57 as it has letters."""
+
 RESULTS = ("deposits.csv", "passages.asc")
 
 
@@ -88,6 +92,15 @@ class Releases:
         return starts(ids, self._seed)
 
 
+def burn(fuse):
+    """End the process at once, or raise an error if there is no fuse left."""
+    if not fuse.exists():
+        raise RuntimeError("out of order")
+    if fuse.read_text():
+        fuse.write_text(fuse.read_text()[1:])
+        os._exit(1)
+
+
 class Skating:
     """The interface of ``Trajectories``; the method's dt is the seconds that each one takes."""
 
@@ -98,6 +111,8 @@ class Skating:
     def fly(self, starts):
         n, number = len(starts.id), starts.id
         time.sleep(n * self._method.dt)
+        if FUSE in os.environ and 57 in number:
+            burn(Path(os.environ[FUSE]))
         if self._method.sweeps in number:
             raise UnstableError(f"trajectory {self._method.sweeps}: flew off")
         end = 2.0 + 2.0 * np.cos(starts.position)

@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from warpdem import __version__
 from warpdem.rockfall.bundles import joined, part
 from warpdem.rockfall.chunks import Chunk, encode
 
@@ -75,6 +76,7 @@ class Work:
         fingerprint: Of the scene.
         make: The class of flyers.
         count: Makes the tally of a bundle.
+        program: Version of warpdem that made it.
     """
 
     site: Site
@@ -84,6 +86,7 @@ class Work:
     fingerprint: str
     make: Callable[..., Flyer]
     count: Callable[[Flights, Site], Tally]
+    program: str = __version__
 
     @property
     def is_cuda(self) -> bool:

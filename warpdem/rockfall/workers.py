@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import queue
+import signal
 import threading
+from asyncio import CancelledError
+from collections import Counter
+from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any, Self
 
+from warpdem import __version__
 from warpdem.errors import WarpdemError
 from warpdem.rockfall.crew import TICK
 from warpdem.rockfall.task import Pilot
+from warpdem.running.interrupts import SIGNALS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -28,15 +35,34 @@ WAITING = 4
 PATIENCE = 1.0
 """How long to wait for workers to end before they are killed [s]."""
 
+ANSWER = "10s"
+"""How long to wait for a scheduler's answer."""
+
 _own = threading.local()
 
 
 def fly_chunk(work: Work, index: int, starts: Starts) -> bytes:
-    """The file of one chunk; runs in a worker, which keeps its flyer for the next one."""
+    """The file of one chunk; runs in a worker, which keeps its flyer for the next one.
+
+    Raises:
+        RuntimeError: The worker was closed meanwhile.
+        WarpdemError: The worker has another version of the program.
+    """
+    import distributed  # noqa: PLC0415 - the extra
+
+    if work.program != __version__:
+        raise WarpdemError(
+            f"{distributed.get_worker().address}: this worker has warpdem {__version__}, "
+            f"the run was started by {work.program}; install the same everywhere"
+        )
+
     if getattr(_own, "fingerprint", None) != (work.fingerprint, work.device):
         _own.pilot = Pilot(work.flyer())
         _own.fingerprint = (work.fingerprint, work.device)
-    flights = _own.pilot.fly(starts)
+    worker = distributed.get_worker()
+    flights = _own.pilot.fly(starts, lambda: worker.status != distributed.Status.running)
+    if flights is None:
+        raise RuntimeError("the worker was closed")
     return work.chunk(index, flights)
 
 
@@ -84,33 +110,59 @@ class Workers:
 
     def fly(self, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple[int, bytes] | None]:
         """As of ``Crew``."""
-        work = self._client.scatter(self._prepared.work, broadcast=True)
-        waiting, running = list(reversed(chunks)), {}
+        work = self._shared()
+        waiting, tries = list(reversed(chunks)), Counter[int]()
+        running: dict[Any, int] = {}
         done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         try:
             while waiting or running:
                 while waiting and len(running) < WAITING * self.count:
-                    index = waiting.pop()
-                    future = self._submit(plan, index, work)
-                    running[future] = index
+                    future = self._submit(plan, waiting[-1], work)
+                    running[future] = waiting.pop()
                     future.add_done_callback(done.put)
-                try:
-                    future = done.get(timeout=TICK)
-                except queue.Empty:
+                future = _next(done)
+                if future is None:
                     yield None
                     continue
                 index = running.pop(future)
-                data = _result(future, plan, index)
+                data = _result(future, plan, index, lost=tries[index] < RETRIES)
+                if data is None:
+                    tries[index] += 1
+                    waiting.append(index)
+                    work = self._shared()
+                    continue
                 self.flown += plan.trajectories(index)
                 yield index, data
         finally:
             self._client.cancel(list(running))
+
+    def _shared(self) -> Any:
+        """The work on every worker.
+
+        Raises:
+            WarpdemError: There is no worker.
+        """
+        try:
+            return self._client.scatter(self._prepared.work, broadcast=True)
+        except TimeoutError as cause:
+            raise WarpdemError(
+                f"{self._client.scheduler.address}: this scheduler has no workers; start some "
+                "with `dask worker ADDRESS`; --resume goes on"
+            ) from cause
 
     def _submit(self, plan: Plan, index: int, work: Any) -> Any:
         starts = self._prepared.releases.starts(plan.ids(index))
         return self._client.submit(
             fly_chunk, work, index, starts, retries=RETRIES, pure=False, priority=-index
         )
+
+
+def _next(done: queue.SimpleQueue[Any]) -> Any:
+    """The next future that is done, None if it takes long."""
+    try:
+        return done.get(timeout=TICK)
+    except queue.Empty:
+        return None
 
 
 def _connected(scheduler: str | None, count: int) -> tuple[Any, Any]:
@@ -124,21 +176,43 @@ def _connected(scheduler: str | None, count: int) -> tuple[Any, Any]:
         ) from cause
     if scheduler:
         try:
-            return distributed.Client(scheduler, timeout="10s"), None
+            return distributed.Client(scheduler, timeout=ANSWER), None
         except (OSError, ValueError, TypeError) as cause:
             raise WarpdemError(
                 f"--scheduler {scheduler}: no scheduler answers there; start one with "
                 "`dask scheduler` and give its address, such as tcp://host:8786"
             ) from cause
-    with dask.config.set({"distributed.scheduler.allowed-failures": RETRIES}):
+    allowed = {"distributed.scheduler.allowed-failures": RETRIES}
+    with dask.config.set(allowed), _signals_held():
         cluster = distributed.LocalCluster(
-            n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address="127.0.0.1:0",
+            silence_logs=logging.ERROR,
         )
         return distributed.Client(cluster), cluster
 
 
-def _result(future: Any, plan: Plan, index: int) -> bytes:
-    """What a worker made of a chunk.
+@contextlib.contextmanager
+def _signals_held() -> Iterator[None]:
+    """Have signals wait, and new processes never see them: this one tells its workers to end."""
+    resource_tracker.ensure_running()  # starting it later would let signals through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _result(future: Any, plan: Plan, index: int, *, lost: bool) -> bytes | None:
+    """What a worker made of a chunk, None if it ended and took that, or the work, along.
+
+    Args:
+        future: Of the chunk.
+        plan: How the ensemble is cut.
+        index: Of the chunk.
+        lost: It may be lost, and is tried again.
 
     Raises:
         WarpdemError: It failed each time.
@@ -147,7 +221,9 @@ def _result(future: Any, plan: Plan, index: int) -> bytes:
         return future.result()
     except WarpdemError:
         raise
-    except Exception as cause:
+    except (Exception, CancelledError) as cause:
+        if lost and future.cancelled():
+            return None
         ids = plan.ids(index)
         raise WarpdemError(
             f"chunk {index} (trajectories {ids[0]} to {ids[-1]}) failed {RETRIES + 1} times on "
