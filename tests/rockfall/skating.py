@@ -101,6 +101,10 @@ def burn(fuse):
         os._exit(1)
 
 
+class StoppedError(Exception):
+    pass
+
+
 class Skating:
     """The interface of ``Trajectories``; the method's dt is the seconds that each one takes."""
 
@@ -108,9 +112,15 @@ class Skating:
         assert device == "cpu"
         self._method = method
 
-    def fly(self, starts):
-        n, number = len(starts.id), starts.id
-        time.sleep(n * self._method.dt)
+    def load(self):
+        pass
+
+    def fly(self, starts, *, stop=None):
+        number = starts.id
+        for _ in number if self._method.dt else ():
+            time.sleep(self._method.dt)
+            if stop and stop():
+                raise StoppedError
         if FUSE in os.environ and 57 in number:
             burn(Path(os.environ[FUSE]))
         if self._method.sweeps in number:

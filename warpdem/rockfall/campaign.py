@@ -57,7 +57,6 @@ class Campaign:
     def __post_init__(self) -> None:
         self._began = time.monotonic()
         self._stored = 0
-        self._flown = 0
         self._about: dict[str, Any] = {}
         self._seconds = 0.0
 
@@ -104,7 +103,6 @@ class Campaign:
                     self.chunks.store(*done)
                     self._stored += plan.trajectories(done[0])
                 self._seconds = time.monotonic() - began
-                self._flown = crew.flown
                 if self.progress.is_due():
                     self.progress.show(self._line(before))
                 if self.interrupts.received:
@@ -118,8 +116,8 @@ class Campaign:
     def _line(self, before: int) -> str:
         """Where the flying stands."""
         whole = sum(self.chunks.plan.trajectories(index) for index in self._mine())
-        done = before + self._flown
-        rate = self._flown / max(self._seconds, 1e-9)
+        done = before + self._stored
+        rate = self._stored / max(self._seconds, 1e-9)
         left = duration((whole - done) / rate) if rate > 0.0 else "?"
         return (
             f"{done} of {whole} trajectories ({done / whole:.0%}), {rate:.3g} trajectories/s, "
@@ -211,7 +209,7 @@ class Campaign:
             "device": work.device,
             **self._about,
             "trajectories_this_session": self._stored,
-            "trajectories_per_s": self._flown / max(self._seconds, 1e-9),
+            "trajectories_per_s": self._stored / max(self._seconds, 1e-9),
             "wall_seconds": time.monotonic() - self._began,
             "versions": summary.versions(__version__),
         }

@@ -6,13 +6,11 @@ import queue
 import threading
 from typing import TYPE_CHECKING, Protocol
 
-from warpdem.rockfall.task import Pilot
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from warpdem.rockfall.chunks import Plan
-    from warpdem.rockfall.task import Prepared
+    from warpdem.rockfall.task import Flyer, Prepared
 
 TICK = 0.1
 """Longest time between two looks at the clock and at signals [s]."""
@@ -20,11 +18,6 @@ TICK = 0.1
 
 class Crew(Protocol):
     """Flies chunks in any order."""
-
-    @property
-    def flown(self) -> int:
-        """Trajectories that have ended so far, in chunks not yet done too."""
-        ...
 
     @property
     def count(self) -> int:
@@ -48,23 +41,18 @@ class Crew(Protocol):
 
 
 class Threads:
-    """Host threads that take chunks from a queue; on CUDA there should be one.
-
-    Attributes:
-        flown: As of ``Crew``.
-    """
+    """Host threads that take chunks from a queue; on CUDA there should be one."""
 
     def __init__(self, prepared: Prepared, count: int, progress: Callable[[str], object]) -> None:
         self._prepared = prepared
         progress("compiling kernels")
-        self._pilots = [Pilot(prepared.work.flyer()) for _ in range(count)]
+        self._flyers = [prepared.work.flyer() for _ in range(count)]
         self._lock = threading.Lock()
-        self.flown = 0
 
     @property
     def count(self) -> int:
         """As of ``Crew``."""
-        return len(self._pilots)
+        return len(self._flyers)
 
     @property
     def about(self) -> dict[str, object]:
@@ -79,8 +67,8 @@ class Threads:
         for index in chunks:
             todo.put(index)
         threads = [
-            threading.Thread(target=self._work, args=(pilot, plan, todo, done, stop))
-            for pilot in self._pilots[: len(chunks)]
+            threading.Thread(target=self._work, args=(flyer, plan, todo, done, stop))
+            for flyer in self._flyers[: len(chunks)]
         ]
         for thread in threads:
             thread.start()
@@ -93,7 +81,7 @@ class Threads:
 
     def _work(
         self,
-        pilot: Pilot,
+        flyer: Flyer,
         plan: Plan,
         todo: queue.SimpleQueue[int],
         done: queue.SimpleQueue[tuple[int, bytes] | Exception],
@@ -105,17 +93,13 @@ class Threads:
                 index = todo.get_nowait()
                 with self._lock:
                     starts = self._prepared.releases.starts(plan.ids(index))
-                flights = pilot.fly(starts, stop.is_set, self._count)
-                if flights is not None:
-                    done.put((index, self._prepared.work.chunk(index, flights)))
+                flights = flyer.fly(starts, stop=stop.is_set)
+                done.put((index, self._prepared.work.chunk(index, flights)))
         except queue.Empty:
             return
         except Exception as fault:  # noqa: BLE001 - raised again in the main thread
-            done.put(fault)
-
-    def _count(self, flown: int) -> None:
-        with self._lock:
-            self.flown += flown
+            if not stop.is_set():  # else it says that it stopped
+                done.put(fault)
 
 
 def _each(

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 FREE = ("title", "run.device", "ensemble.chunk")
 """Keys on which no trajectory depends."""
 
-COUNTED = ("output.rasters", "output.cellsize")
-"""The keys of the output on which chunks depend: the cells in which they count."""
+CELLS = "output.cellsize"
+"""The key of the output on which chunks depend: the cells in which they count."""
 
 COMPANIONS = {".shp": (".dbf", ".shx"), ".asc": (".prj",)}
 """Files that are read with one of a suffix, where there are any."""
@@ -29,7 +29,7 @@ def decisive(scene: Scene) -> dict[str, Any]:
     flat = {
         key: value
         for key, value in leaves(scene.model_dump(mode="json"))
-        if key not in FREE and (key in COUNTED or not key.startswith("output."))
+        if key not in FREE and (key == CELLS or not key.startswith("output."))
     }
     for key, value in list(flat.items()):
         if key.rpartition(".")[2] == "file" and isinstance(value, str):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from warpdem.output.folder import RunFolder
     from warpdem.rockfall.chunk_folder import ChunkFolder
     from warpdem.rockfall.task import Prepared
+    from warpdem.rockfall.trace import Trace
 
 
 def finish(folder: RunFolder, scene: Scene, prepared: Prepared, chunks: ChunkFolder) -> None:
@@ -49,13 +50,19 @@ def finish(folder: RunFolder, scene: Scene, prepared: Prepared, chunks: ChunkFol
     )
 
 
-def followed(scene: Scene, prepared: Prepared) -> Sequence[Any]:
+def followed(scene: Scene, prepared: Prepared) -> list[Trace]:
     """The trajectories that the scene wants drawn, flown again and sampled in time."""
+    from warpdem.rockfall.trace import Trace  # noqa: PLC0415 - only at the end
+
     chosen = chosen_ids(scene.output.trajectories, prepared.releases.count)
     if not chosen:
         return []
     starts = prepared.releases.starts(np.array(chosen, dtype=np.int64))
-    return prepared.work.flyer().follow(starts, scene.output.trajectory_every)
+    samples = prepared.work.flyer().follow(starts, scene.output.trajectory_every)
+    return [
+        Trace(id=int(number), rock=int(rock), **vars(sample))
+        for number, rock, sample in zip(starts.id, starts.rock, samples, strict=True)
+    ]
 
 
 def chosen_ids(wanted: int | Sequence[int], count: int) -> list[int]:

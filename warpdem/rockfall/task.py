@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from warpdem import __version__
-from warpdem.rockfall.bundles import joined, part
 from warpdem.rockfall.chunks import Chunk, encode
 
 if TYPE_CHECKING:
@@ -21,21 +19,22 @@ if TYPE_CHECKING:
     from warpdem.rockfall.rock import Rock
     from warpdem.rockfall.site import Site
 
-SLOTS, CUDA_SLOTS = 256, 65_536
+SLOTS, CUDA_SLOTS = 128, 65_536
 """Rocks in flight at a time on a host thread, and on a CUDA device."""
-
-SLICE_SECONDS = 0.25
-"""Wall-clock time a bundle should take [s]: nobody waits longer for an interruption."""
-
-FIRST_SLICE, GROWTH = 4, 8
-"""Trajectories of a thread's first bundle, and the most by which the next one grows."""
 
 
 class Flyer(Protocol):
     """Flies bundles of trajectories, for one thread (``trajectories.Trajectories``)."""
 
-    def fly(self, starts: Starts) -> Flights:
-        """Fly rocks until each has ended; how they are bundled does not change a bit."""
+    def load(self) -> None:
+        """Load the kernels, compiling what is not yet."""
+        ...
+
+    def fly(self, starts: Starts, *, stop: Callable[[], bool] | None = None) -> Flights:
+        """Fly rocks until each has ended; how they are bundled does not change a bit.
+
+        ``stop`` is asked many times a second whether to give up, which raises an exception.
+        """
         ...
 
     def follow(self, starts: Starts, every: float) -> Sequence[Any]:
@@ -43,8 +42,8 @@ class Flyer(Protocol):
         ...
 
 
-class Releases(Protocol):
-    """Where trajectories start, by their global ids (``releases.Releases``)."""
+class Origins(Protocol):
+    """Where trajectories start, by global ids (``releases.Releases``, ``bodies.Bodies``)."""
 
     @property
     def count(self) -> int:
@@ -96,7 +95,9 @@ class Work:
     def flyer(self) -> Flyer:
         """A flyer for one thread, its kernels compiled."""
         slots = CUDA_SLOTS if self.is_cuda else SLOTS
-        return self.make(self.site, self.rocks, self.method, device=self.device, slots=slots)
+        flyer = self.make(self.site, self.rocks, self.method, device=self.device, slots=slots)
+        flyer.load()
+        return flyer
 
     def chunk(self, index: int, flights: Flights) -> bytes:
         """The file of a chunk's flights."""
@@ -114,7 +115,7 @@ class Prepared:
     """
 
     work: Work
-    releases: Releases
+    releases: Origins
 
 
 def prepared(scene: Scene, device: str, fingerprint: str) -> Prepared:
@@ -128,59 +129,19 @@ def prepared(scene: Scene, device: str, fingerprint: str) -> Prepared:
     Raises:
         WarpdemError: A file cannot be read, or the scene cannot be built.
     """
-    from warpdem.rockfall.prepare import method_of, site_of  # noqa: PLC0415 - only to run
+    from warpdem.rockfall.bodies import Bodies  # noqa: PLC0415 - only to run
+    from warpdem.rockfall.prepare import method_of, site_of  # noqa: PLC0415 - the same
     from warpdem.rockfall.releases import Releases  # noqa: PLC0415 - the same
     from warpdem.rockfall.rocks import rocks_of  # noqa: PLC0415 - the same
     from warpdem.rockfall.tally import Tally  # noqa: PLC0415 - the same
     from warpdem.rockfall.trajectories import Trajectories  # noqa: PLC0415 - loads Warp
 
-    site, rocks = site_of(scene), rocks_of(scene)
+    site = site_of(scene)
+    if scene.release:
+        rocks = rocks_of(scene)
+        releases = Releases(scene, site, rocks)
+    else:
+        releases = Bodies(scene, site)
+        rocks = releases.rocks
     work = Work(site, rocks, method_of(scene), device, fingerprint, Trajectories, Tally.of)
-    return Prepared(work, Releases(scene, site, rocks))
-
-
-class Pilot:
-    """Flies chunks with one flyer, in bundles short enough to stop between them.
-
-    Attributes:
-        flyer: The flyer.
-        clock: Wall clock [s].
-    """
-
-    def __init__(self, flyer: Flyer, clock: Callable[[], float] = time.monotonic) -> None:
-        self.flyer = flyer
-        self.clock = clock
-        self._size = FIRST_SLICE
-
-    def fly(
-        self,
-        starts: Starts,
-        stop: Callable[[], bool] = lambda: False,
-        tell: Callable[[int], object] = lambda _count: None,
-    ) -> Flights | None:
-        """Fly a chunk.
-
-        Args:
-            starts: Of its trajectories.
-            stop: Asked between bundles whether to abandon it.
-            tell: Is told how many trajectories of each bundle have ended.
-
-        Returns:
-            The flights; None if it was abandoned.
-        """
-        bundles, first, count = [], 0, len(starts.id)
-        while first < count:
-            if stop():
-                return None
-            last = min(first + self._size, count)
-            began = self.clock()
-            bundles.append(self.flyer.fly(part(starts, first, last)))
-            self._adapt(last - first, self.clock() - began)
-            tell(last - first)
-            first = last
-        return joined(bundles)
-
-    def _adapt(self, flown: int, seconds: float) -> None:
-        """Have the next bundle take the time it should, by what the last one took."""
-        fitting = int(flown * SLICE_SECONDS / max(seconds, 1e-9))
-        self._size = max(1, min(fitting, GROWTH * self._size))
+    return Prepared(work, releases)

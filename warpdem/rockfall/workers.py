@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, Self
 from warpdem import __version__
 from warpdem.errors import WarpdemError
 from warpdem.rockfall.crew import TICK
-from warpdem.rockfall.task import Pilot
 from warpdem.running.interrupts import SIGNALS
 
 if TYPE_CHECKING:
@@ -45,7 +44,6 @@ def fly_chunk(work: Work, index: int, starts: Starts) -> bytes:
     """The file of one chunk; runs in a worker, which keeps its flyer for the next one.
 
     Raises:
-        RuntimeError: The worker was closed meanwhile.
         WarpdemError: The worker has another version of the program.
     """
     import distributed  # noqa: PLC0415 - the extra
@@ -57,21 +55,15 @@ def fly_chunk(work: Work, index: int, starts: Starts) -> bytes:
         )
 
     if getattr(_own, "fingerprint", None) != (work.fingerprint, work.device):
-        _own.pilot = Pilot(work.flyer())
+        _own.flyer = work.flyer()
         _own.fingerprint = (work.fingerprint, work.device)
     worker = distributed.get_worker()
-    flights = _own.pilot.fly(starts, lambda: worker.status != distributed.Status.running)
-    if flights is None:
-        raise RuntimeError("the worker was closed")
+    flights = _own.flyer.fly(starts, stop=lambda: worker.status != distributed.Status.running)
     return work.chunk(index, flights)
 
 
 class Workers:
-    """Dask's workers, used in a ``with`` statement.
-
-    Attributes:
-        flown: As of ``Crew``; it grows by whole chunks.
-    """
+    """Dask's workers, used in a ``with`` statement."""
 
     def __init__(self, prepared: Prepared, scheduler: str | None, count: int) -> None:
         """Connect to a scheduler, or start ``count`` worker processes on this machine.
@@ -80,7 +72,6 @@ class Workers:
             WarpdemError: The extra is not installed, or the scheduler does not answer.
         """
         self._prepared = prepared
-        self.flown = 0
         self._client, self._cluster = _connected(scheduler, count)
 
     def __enter__(self) -> Self:
@@ -131,7 +122,6 @@ class Workers:
                     waiting.append(index)
                     work = self._shared()
                     continue
-                self.flown += plan.trajectories(index)
                 yield index, data
         finally:
             self._client.cancel(list(running))
