@@ -32,7 +32,7 @@ commands:
   schema                print the JSON schema of scene files, for editors
 
 exit status: 0 done, 2 a mistake in the scene or the command, 3 the motion blew up,
-74 results cannot be written, 130 and 143 stopped by Ctrl-C and SIGTERM after a checkpoint"""
+74 results cannot be written, 130 and 143 stopped by Ctrl-C and SIGTERM: --resume goes on"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

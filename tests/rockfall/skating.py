@@ -59,15 +59,26 @@ class Scene(SimpleNamespace):
             "run": vars(self.run),
             "ensemble": vars(self.ensemble),
             "output": {"map": True, "rasters": True},
-            "terrain": {"file": "terrain.asc"},
+            "terrain": {"file": self.terrain},
         }
 
 
-def scene(folder, *, count=103, chunk=10, seed=1, title="skating", pause=0.0, fatal=-1):
+def scene(
+    folder,
+    *,
+    count=103,
+    chunk=10,
+    seed=1,
+    title="skating",
+    pause=0.0,
+    fatal=-1,
+    terrain="terrain.asc",
+):
     """A scene of ``count`` trajectories that take ``pause`` seconds each; one may be fatal."""
     return Scene(
         title=title,
         source=None,
+        terrain=terrain,
         directory=Path(folder),
         run=SimpleNamespace(
             method="nonsmooth", device="cpu", seed=seed, duration=60.0, dt=pause, fatal=fatal

@@ -25,12 +25,11 @@ def account(chunks: Iterable[Chunk]) -> dict[str, Any]:
     Raises:
         OutputError: A chunk cannot be read.
     """
-    done, fates = 0, np.zeros(len(Fate), np.int64)
+    fates = np.zeros(len(Fate), np.int64)
     counts, measures = np.zeros(len(COUNTS), np.int64), np.zeros(len(MEASURES))
     doubtful = dict.fromkeys(DOUBTFUL, 0)
     for chunk in chunks:
         flights = chunk.flights
-        done += len(flights.id)
         fates += np.bincount(flights.fate, minlength=len(Fate))
         peak = max(counts[_PEAK], flights.counts[:, _PEAK].max(initial=0))
         counts += flights.counts.sum(axis=0)
@@ -39,7 +38,6 @@ def account(chunks: Iterable[Chunk]) -> dict[str, Any]:
         for name in DOUBTFUL:
             doubtful[name] += int(np.count_nonzero(flights.counts[:, COUNTS.index(name)]))
     return {
-        "trajectories": done,
         "fates": {fate.name.lower(): int(fates[fate]) for fate in Fate},
         "steps": dict(zip(COUNTS, counts.tolist(), strict=True)),
         "trajectories_with": doubtful,

@@ -128,7 +128,7 @@ class Campaign:
         """Write the results, unless another shard is about to."""
         with self._merging() as mine:
             if not mine:
-                self.progress.tell(f"{self._part()}; another shard writes the results")
+                self.progress.tell(f"{self._part('finished')}; another shard writes the results")
                 return 0
             try:
                 self._write()
@@ -138,7 +138,7 @@ class Campaign:
                     f"{self.folder.path}"
                 )
                 return SIGNALLED + stop.number
-        self.progress.tell(f"{self._part()}; results in {self.folder.path}")
+        self.progress.tell(f"{self._part('finished')}; results in {self.folder.path}")
         return 0
 
     @contextlib.contextmanager
@@ -172,11 +172,11 @@ class Campaign:
             if received
             else f"{missing} chunks of other shards are missing, the last shard writes the results"
         )
-        self.progress.tell(f"{self._part()} in {self.folder.path}; {onward}")
+        part = self._part("stopped" if received else "finished")
+        self.progress.tell(f"{part} in {self.folder.path}; {onward}")
         return SIGNALLED + received if received else 0
 
-    def _part(self) -> str:
-        how = "stopped" if self.interrupts.received else "finished"
+    def _part(self, how: str) -> str:
         name = f"shard {self.shard} " if self.shard else ""
         return f"{name}{how}: {self._stored} trajectories flown"
 
@@ -185,23 +185,26 @@ class Campaign:
         if self.shard and status != "finished":
             return
         try:
-            summary.save(self.folder.summary, {"status": status, **more, **self._facts()})
+            summary.save(self.folder.summary, {"status": status, **more, **self._facts(status)})
         except OSError as fault:
             raise OutputError(told(fault)) from fault
 
-    def _facts(self) -> dict[str, Any]:
+    def _facts(self, status: str) -> dict[str, Any]:
         work, plan = self.prepared.work, self.chunks.plan
+        there = self.chunks.present()
+        whole = status == "finished"  # else nobody waits until all chunks are read
         return {
             "title": self.scene.title,
             "scene": str(self.scene.source or ""),
             "seed": self.scene.run.seed,
             "duration": self.scene.run.duration,
             "asked": plan.count,
-            **account(self.chunks),
+            "trajectories": sum(plan.trajectories(index) for index in there),
+            **(account(self.chunks) if whole else {}),
             "chunks": {
                 "size": plan.size,
                 "count": len(plan),
-                "done": len(self.chunks.present()),
+                "done": len(there),
             },
             "unverified_classes": [
                 entry.name for entry in work.site.classes if entry.source == "unverified"

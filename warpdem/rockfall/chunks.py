@@ -158,5 +158,5 @@ def _stripped(arrays: dict[str, NDArray[Any]], prefix: str) -> dict[str, NDArray
 
 
 def _no_visits() -> Visits:
-    number, value = np.zeros(0, np.int64), np.zeros(0, np.float32)
-    return Visits(id=number, cell=number, energy=value, speed=value, jump=value, spin=value)
+    none: dict[str, Any] = {field.name: np.zeros(0, np.float32) for field in fields(Visits)}
+    return Visits(**none | {name: np.zeros(0, np.int64) for name in ("id", "cell")})

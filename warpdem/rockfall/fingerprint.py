@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
     from warpdem.input.scene import Scene
 
-FREE = ("title", "run.device", "ensemble.chunk")
+FREE = ("title", "run.device", "ensemble.chunk", "terrain.crs")
 """Keys on which no trajectory depends."""
 
 CELLS = "output.cellsize"
 """The key of the output on which chunks depend: the cells in which they count."""
 
-COMPANIONS = {".shp": (".dbf", ".shx"), ".asc": (".prj",)}
+COMPANIONS = {".shp": (".dbf", ".shx")}
 """Files that are read with one of a suffix, where there are any."""
 
 

@@ -158,8 +158,8 @@ def _next(done: queue.SimpleQueue[Any]) -> Any:
 def _connected(scheduler: str | None, count: int) -> tuple[Any, Any]:
     """A client, and the cluster it was made with, if any."""
     try:
-        import dask  # noqa: PLC0415 - the extra
-        import distributed  # noqa: PLC0415 - the same
+        import distributed  # noqa: PLC0415 - the extra
+        from dask import config  # noqa: PLC0415 - comes with it
     except ImportError as cause:
         raise WarpdemError(
             "--workers dask: needs the package distributed; pip install 'warpdem[dask]'"
@@ -173,7 +173,7 @@ def _connected(scheduler: str | None, count: int) -> tuple[Any, Any]:
                 "`dask scheduler` and give its address, such as tcp://host:8786"
             ) from cause
     allowed = {"distributed.scheduler.allowed-failures": RETRIES}
-    with dask.config.set(allowed), _signals_held():
+    with config.set(allowed), _signals_held():
         cluster = distributed.LocalCluster(
             n_workers=count,
             threads_per_worker=1,
