@@ -176,6 +176,12 @@ def test_a_run_without_shard_flies_what_shards_left_and_merges_to_the_same_bytes
     assert results(folder) == first
 
 
+def test_a_chosen_chunk_suits_all_shards_together(tmp_path):
+    run(tmp_path / "run", Share(Shard(1, 3)), threads=1, chunk=None, count=6000)
+    plan = json.loads((tmp_path / "run" / "chunks" / "plan.json").read_text())["plan"]
+    assert plan == {"count": 6000, "size": 100}
+
+
 def test_a_shard_flies_its_own_chunks_alone():
     assert [Shard(k, 3).of(range(8)) for k in (1, 2, 3)] == [[0, 3, 6], [1, 4, 7], [2, 5]]
 

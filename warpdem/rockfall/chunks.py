@@ -67,7 +67,7 @@ def planned(count: int, size: int | None, threads: int, *, cuda: bool) -> Plan:
     Args:
         count: Of trajectories.
         size: Of a chunk, if the scene says so.
-        threads: Threads or worker processes that fly chunks.
+        threads: Threads or worker processes that fly chunks, of all shards together.
         cuda: Whether they are flown on a CUDA device.
     """
     if size is None:

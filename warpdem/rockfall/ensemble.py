@@ -96,7 +96,7 @@ def run_rockfall(
             plan = planned(
                 prepared.releases.count,
                 scene.ensemble.chunk,
-                crew.count,
+                crew.count * (share.shard.count if share.shard else 1),
                 cuda=prepared.work.is_cuda,
             )
             if not share.shard:
