@@ -159,4 +159,5 @@ def _stripped(arrays: dict[str, NDArray[Any]], prefix: str) -> dict[str, NDArray
 
 def _no_visits() -> Visits:
     none: dict[str, Any] = {field.name: np.zeros(0, np.float32) for field in fields(Visits)}
-    return Visits(**none | {name: np.zeros(0, np.int64) for name in ("id", "cell")})
+    none |= {name: np.zeros(0, np.int64) for name in ("id", "cell")}
+    return Visits(**none)

@@ -7,7 +7,7 @@ import threading
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Generator, Sequence
 
     from warpdem.rockfall.chunks import Plan
     from warpdem.rockfall.task import Flyer, Prepared
@@ -29,7 +29,7 @@ class Crew(Protocol):
         """What it consists of, for the summary."""
         ...
 
-    def fly(self, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple[int, bytes] | None]:
+    def fly(self, plan: Plan, chunks: Sequence[int]) -> Generator[tuple[int, bytes] | None]:
         """Fly chunks: each one's number and file as it is done, None every so often.
 
         Closing the iterator abandons what is in flight.
@@ -59,7 +59,7 @@ class Threads:
         """As of ``Crew``."""
         return {"threads": self.count}
 
-    def fly(self, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple[int, bytes] | None]:
+    def fly(self, plan: Plan, chunks: Sequence[int]) -> Generator[tuple[int, bytes] | None]:
         """As of ``Crew``."""
         todo: queue.SimpleQueue[int] = queue.SimpleQueue()
         done: queue.SimpleQueue[tuple[int, bytes] | Exception] = queue.SimpleQueue()
@@ -104,7 +104,7 @@ class Threads:
 
 def _each(
     done: queue.SimpleQueue[tuple[int, bytes] | Exception], count: int
-) -> Iterator[tuple[int, bytes] | None]:
+) -> Generator[tuple[int, bytes] | None]:
     """What comes from a queue until ``count`` chunks have come, None in between."""
     while count:
         try:

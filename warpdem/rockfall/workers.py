@@ -18,7 +18,7 @@ from warpdem.rockfall.crew import TICK
 from warpdem.running.interrupts import SIGNALS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Generator, Iterator, Sequence
     from types import TracebackType
 
     from warpdem.rockfall.chunks import Plan
@@ -99,7 +99,7 @@ class Workers:
         """As of ``Crew``."""
         return {"workers": self.count, "scheduler": self._client.scheduler.address}
 
-    def fly(self, plan: Plan, chunks: Sequence[int]) -> Iterator[tuple[int, bytes] | None]:
+    def fly(self, plan: Plan, chunks: Sequence[int]) -> Generator[tuple[int, bytes] | None]:
         """As of ``Crew``."""
         work = self._shared()
         waiting, tries = list(reversed(chunks)), Counter[int]()
