@@ -85,7 +85,7 @@ def run_rockfall(
         path = folder / CHUNKS
         before = None if force else agreed(path)
         if before:
-            refuse_changed(path, before, keys)
+            refuse_changed(folder.path, before, keys)
         name = _device(device or scene.run.device)
         progress.work("reading the scene's files")
         prepared = task.prepared(scene, name, fingerprint(keys))
@@ -102,7 +102,7 @@ def run_rockfall(
             if not share.shard:
                 folder.clear()
             before = agree(path, Agreement(plan, keys))
-            refuse_changed(path, before, keys)  # another shard may have come first
+            refuse_changed(folder.path, before, keys)  # another shard may have come first
         elif not share.shard:
             folder.clear_parts()
         chunks = ChunkFolder(path, before)
