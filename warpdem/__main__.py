@@ -18,6 +18,8 @@ from warpdem.running.interrupts import SIGNALLED
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from warpdem.rockfall.share import Shard, Share
+
 USAGE = """\
 python -m warpdem SCENE.toml [options]
        python -m warpdem check SCENE.toml [--set KEY=VALUE]...
@@ -30,7 +32,7 @@ commands:
   schema                print the JSON schema of scene files, for editors
 
 exit status: 0 done, 2 a mistake in the scene or the command, 3 the motion blew up,
-74 results cannot be written, 130 and 143 stopped by Ctrl-C and SIGTERM after a checkpoint"""
+74 results cannot be written, 130 and 143 stopped by Ctrl-C and SIGTERM: --resume goes on"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -81,7 +83,16 @@ def _run(arguments: list[str]) -> int:
         resume=options.resume,
         force=options.force,
         quiet=options.quiet,
+        share=_share(options),
     )
+
+
+def _share(options: argparse.Namespace) -> Share | None:
+    """Which part of an ensemble the options choose; None: they do not speak of it."""
+    from warpdem.rockfall.share import Share  # noqa: PLC0415 - the other commands need it not
+
+    chosen = Share(options.shard, options.workers, options.scheduler)
+    return None if chosen == Share() else chosen
 
 
 def _check(arguments: list[str]) -> int:
@@ -141,8 +152,18 @@ def _run_parser() -> argparse.ArgumentParser:
     add("--device", type=_device, help="auto, cpu, cuda or cuda:N; default: the scene's run.device")
     add("--threads", type=_threads, metavar="N", help="host threads; default: all cores")
     again = parser.add_mutually_exclusive_group()
-    again.add_argument("--resume", action="store_true", help="go on from the checkpoint in DIR")
+    again.add_argument("--resume", action="store_true", help="go on with the run in DIR")
     again.add_argument("--force", action="store_true", help="replace the results in DIR")
+    ensembles = parser.add_argument_group('ensembles (run.method = "nonsmooth")')
+    of_ensembles = ensembles.add_argument
+    of_ensembles(
+        "--shard",
+        type=_shard,
+        metavar="I/N",
+        help="fly every N-th chunk from the I-th on; the last shard writes the results",
+    )
+    of_ensembles("--workers", choices=["dask"], help="fly on worker processes, --threads of them")
+    of_ensembles("--scheduler", metavar="ADDRESS", help="of a running Dask; default: this machine")
     add("--quiet", action="store_true", help="say nothing but errors")
     add("--version", action="version", version=f"warpdem {__version__}")
     return parser
@@ -169,6 +190,15 @@ def _threads(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of at least 1")
     return int(text)
+
+
+def _shard(text: str) -> Shard:
+    from warpdem.rockfall.share import shard_of  # noqa: PLC0415 - the other commands need it not
+
+    try:
+        return shard_of(text)
+    except ValueError as fault:
+        raise argparse.ArgumentTypeError(str(fault)) from fault
 
 
 def _refuse_unknown_command(arguments: list[str]) -> None:

@@ -95,14 +95,15 @@ def load(path: Path) -> Checkpoint:
 
 def flat_scene(scene: Scene) -> dict[str, Any]:
     """Key paths such as ``contact[0].mu`` and their values; a shape's file by its contents too."""
-    flat = dict(_leaves(scene.model_dump(mode="json"), ""))
+    flat = dict(leaves(scene.model_dump(mode="json")))
     for index, shape in enumerate(scene.shape):
         if file := getattr(shape, "file", None):
-            flat[f"shape[{index}].file (contents)"] = _digest(scene.directory / file)
+            flat[f"shape[{index}].file (contents)"] = digest(scene.directory / file)
     return flat
 
 
-def _digest(path: Path) -> str:
+def digest(path: Path) -> str:
+    """What stands for the contents of a file: their hash, or why it cannot be read."""
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest()
     except OSError as fault:
@@ -125,12 +126,13 @@ def _may_change(key: str) -> bool:
     return key in {"title", "run.duration", "run.device"} or key.startswith("output.")
 
 
-def _leaves(value: Any, path: str) -> Iterator[tuple[str, Any]]:
+def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Key paths such as ``contact[0].mu`` of nested tables, and their values."""
     if isinstance(value, dict):
         for key, item in value.items():
-            yield from _leaves(item, f"{path}.{key}" if path else key)
+            yield from leaves(item, f"{path}.{key}" if path else key)
     elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
         for index, item in enumerate(value):
-            yield from _leaves(item, f"{path}[{index}]")
+            yield from leaves(item, f"{path}[{index}]")
     else:
         yield path, value

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import uuid
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -54,3 +55,38 @@ def replace(path: Path, write: Callable[[Path], object]) -> None:
         sync(part)
 
     swap(path, write_through)
+
+
+def create(path: Path, data: bytes) -> bool:
+    """Make a file, whole, unless there is one: of many processes that try, one does it.
+
+    Returns:
+        Whether this one did.
+
+    Raises:
+        OSError: The disk is full, or the folder cannot be written; no part is left behind.
+    """
+    part = path.with_name(f"{path.stem}_{uuid.uuid4().hex}{path.suffix}{PART}")
+    try:
+        part.write_bytes(data)
+        sync(part)
+        _link(part, path)
+    except FileExistsError:
+        return False
+    except OSError as fault:
+        raise OSError(fault.errno, fault.strerror, str(path)) from fault
+    finally:
+        part.unlink(missing_ok=True)
+    return True
+
+
+def _link(part: Path, path: Path) -> None:
+    """Give a file its second name, which must be free."""
+    try:
+        os.link(part, path)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without links: who comes second at the same instant wins
+        if path.exists():
+            raise FileExistsError(str(path)) from None
+        part.replace(path)

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from warpdem.input.scene import Scene
     from warpdem.output.checkpoint import Checkpoint
     from warpdem.output.folder import RunFolder
+    from warpdem.rockfall.share import Share
     from warpdem.simulation import Simulation
 
 NAMED = 5
@@ -31,6 +32,7 @@ def run(
     resume: bool = False,
     force: bool = False,
     quiet: bool = False,
+    share: Share | None = None,
 ) -> int:
     """Simulate a scene and write its results.
 
@@ -43,6 +45,8 @@ def run(
             never stopped.
         force: Replace the results in the folder. Files of other origin stay.
         quiet: Say nothing on standard error.
+        share: Which part of an ensemble is flown, and on what; only with ``run.method``
+            "nonsmooth".
 
     Returns:
         Exit status: 0, or 130 and 143 when SIGINT or SIGTERM ended it after a checkpoint.
@@ -53,8 +57,47 @@ def run(
         OutputError: Results cannot be written; the last checkpoint is good.
         Interrupted: A signal came before the first step; nothing was written.
     """
-    progress = Progress(quiet=quiet)
-    with Interrupts() as signals, claimed(Path(directory), resume=resume, force=force) as folder:
+    if scene.run.method == "nonsmooth":
+        from warpdem.rockfall.ensemble import WHOLE, run_rockfall  # noqa: PLC0415 - only there
+
+        return run_rockfall(
+            scene,
+            directory,
+            device=device,
+            threads=threads,
+            resume=resume,
+            force=force,
+            quiet=quiet,
+            share=share or WHOLE,
+        )
+    if share:
+        raise WarpdemError(
+            f'run.method = "{scene.run.method}": --shard and --workers are for ensembles of '
+            'trajectories, run.method = "nonsmooth"'
+        )
+    return _run_smooth(
+        scene,
+        Path(directory),
+        device=device,
+        threads=threads,
+        resume=resume,
+        force=force,
+        progress=Progress(quiet=quiet),
+    )
+
+
+def _run_smooth(
+    scene: Scene,
+    directory: Path,
+    *,
+    device: str | None,
+    threads: int | None,
+    resume: bool,
+    force: bool,
+    progress: Progress,
+) -> int:
+    """Simulate deformable contacts, as of ``run``."""
+    with Interrupts() as signals, claimed(directory, resume=resume, force=force) as folder:
         start = _resumable(scene, folder) if resume else None
         if start and frames(scene, start).done:
             progress.tell(_nothing_left(folder, start))
