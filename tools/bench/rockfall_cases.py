@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from warpdem.arrays import FloatArray, IntArray
     from warpdem.rockfall.flights import Flights, Method
-    from warpdem.rockfall.trace import Trace
+    from warpdem.rockfall.trajectories import Sample
 
 G = 9.81
 
@@ -253,7 +253,7 @@ def clear_heights(
     return np.nanmax(under - arm[..., 2], axis=1) + clearance + rock.rounding
 
 
-def depths(nodes: Nodes, rock: Rock, trace: Trace) -> FloatArray:
+def depths(nodes: Nodes, rock: Rock, trace: Sample) -> FloatArray:
     """Vertical depth of the lowest vertex below the ground at each sample, negative above [m].
 
     Args:
@@ -297,7 +297,7 @@ def fly(site: Site, rocks: Sequence[Rock], method: Method, starts: Starts) -> Fl
 
 def follow(
     site: Site, rocks: Sequence[Rock], method: Method, starts: Starts, every: float
-) -> list[Trace]:
+) -> list[Sample]:
     """Trajectories sampled each ``every`` seconds."""
     from warpdem.rockfall.trajectories import Trajectories  # noqa: PLC0415 - compiles kernels
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from warpdem.arrays import FloatArray
     from warpdem.rockfall.rock import Rock
     from warpdem.rockfall.site import GroundClass
-    from warpdem.rockfall.trace import Trace
+    from warpdem.rockfall.trajectories import Sample
 
 ROCKS = {
     "W200": cases.convex_rock("W200", cases.chamfered_box([0.2975, 0.595, 0.595]), 210.0),
@@ -49,10 +49,10 @@ SCARRED = replace(
 )
 CLASSES = {SCARRED.name: SCARRED, **PUBLISHED}
 QUANTITIES = ("speed [m/s]", "spin [rad/s]", "jump [m]")
-EVERY = 2e-3
-"""Between samples of a simulated trajectory [s]."""
+METHOD = Method(duration=1.5, skip="sphere")
+"""Every step is a sample: contacts are seen, and the summit of a jump."""
 FREE = 0.1
-"""Shortest time off the ground that counts as a jump [s]; the shortest observed one lasts .2 s."""
+"""Shortest time off the ground that is a jump [s]; the shortest observed one lasts .2 s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ def events_of(folder: Path, nodes: cases.Nodes) -> list[Event]:
     return found
 
 
-def outcome(trace: Trace, nodes: cases.Nodes) -> FloatArray | None:
+def outcome(trace: Sample, nodes: cases.Nodes) -> FloatArray | None:
     """``QUANTITIES`` of the first jump after the first contact; None when there is none."""
     touched = np.flatnonzero(trace.contact)
     if not len(touched):
@@ -141,7 +141,7 @@ def simulated(event: Event, nodes: cases.Nodes, ground: GroundClass, count: int)
         rock=np.zeros(count),
         release=np.zeros(count),
     )
-    traces = cases.follow(site, [event.rock], Method(duration=2.0), starts, EVERY)
+    traces = cases.follow(site, [event.rock], METHOD, starts, 0.0)
     found = [after for trace in traces if (after := outcome(trace, local)) is not None]
     return np.array(found).reshape(-1, 3)
 
@@ -171,7 +171,7 @@ def compare(events: list[Event], nodes: cases.Nodes, ground: GroundClass, count:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--data", type=Path, required=True, help="folder of the segments")
-    parser.add_argument("--orientations", type=int, default=200, help="of each event")
+    parser.add_argument("--orientations", type=int, default=30, help="of each event")
     parser.add_argument(
         "--class", dest="classes", nargs="*", choices=CLASSES, default=["hard", SCARRED.name]
     )

@@ -31,11 +31,12 @@ from warpdem.rockfall.classes import PUBLISHED
 from warpdem.rockfall.flights import Method, Starts
 
 if TYPE_CHECKING:
-    from warpdem.rockfall.trace import Trace
+    from warpdem.rockfall.trajectories import Sample
 
 PLATE = cases.convex_rock("plate", cases.chamfered_box([0.93, 0.93, 0.47]), 780.0)
 """The largest moment is about z: the axis of the wheel."""
-EVERY = 2e-3
+STEP = 2e-3
+"""Largest step of the impacts [s], the paper's."""
 PUBLISHED_MEANS = {
     1: (10.53, 922.9, 1.34, 4.09),
     2: (17.44, 1745.3, 1.95, 9.92),
@@ -161,7 +162,7 @@ def hit(number: int, count: int) -> None:
         rock=np.zeros(count),
         release=np.zeros(count),
     )
-    traces = cases.follow(site, [PLATE], Method(duration=1.0, dt=EVERY), starts, EVERY)
+    traces = cases.follow(site, [PLATE], Method(duration=1.0, dt=STEP, skip="sphere"), starts, 0.0)
     found = np.array([scar(local, trace) for trace in traces])
     formula = published_depth(PLATE.mass, impact.modulus, down)
     speed, spin = leaving(number)
@@ -189,7 +190,7 @@ def rolling(count: int) -> np.ndarray:
     return product(np.array([np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0]), phase)
 
 
-def scar(nodes: cases.Nodes, trace: Trace) -> tuple[float, float, float, float]:
+def scar(nodes: cases.Nodes, trace: Sample) -> tuple[float, float, float, float]:
     """Depth, length along the slope, and speed and spin when the rock has left its first scar."""
     depth = cases.depths(nodes, PLATE, trace)
     inside = np.flatnonzero(depth > 0.0)
@@ -235,7 +236,7 @@ def released(nodes: cases.Nodes, origin: np.ndarray, ids: np.ndarray) -> Starts:
     )
 
 
-def samples(nodes: cases.Nodes, trace: Trace) -> np.ndarray:
+def samples(nodes: cases.Nodes, trace: Sample) -> np.ndarray:
     """Off the ground: height, speed, spin [deg/s], jump height and length, shape [n, 5]."""
     free = cases.depths(nodes, PLATE, trace) < 0.0
     ground = nodes.at(*trace.position[:, :2].T)
@@ -283,8 +284,8 @@ def descend(cliff: float, rough: float, runs: int, batch: int = 250) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--orientations", type=int, default=200, help="of each impact")
-    parser.add_argument("--runs", type=int, default=5000, help="trajectories of each slope")
+    parser.add_argument("--orientations", type=int, default=30, help="of each impact")
+    parser.add_argument("--runs", type=int, default=100, help="of each slope; there: 5000")
     parser.add_argument("--cliff", type=float, nargs="*", default=[0.0, 10.0], help="heights [m]")
     parser.add_argument("--rough", type=float, default=0.0, help="noise of the nodes [m]")
     asked = parser.parse_args()

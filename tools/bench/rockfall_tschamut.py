@@ -138,21 +138,21 @@ def spread(way: FloatArray) -> float:
     return float(np.std(way @ np.array([-mean[1], mean[0]]) / np.linalg.norm(mean)))
 
 
-def line(name: str, way: FloatArray, observed: FloatArray) -> float:
-    """Print one row of the table; the second statistic of Kolmogorov and Smirnov."""
+def line(name: str, way: FloatArray, observed: FloatArray) -> tuple[float, float]:
+    """Print one row of the table; the two statistics of Kolmogorov and Smirnov."""
     run, seen = np.linalg.norm(way, axis=1), np.linalg.norm(observed, axis=1)
     gone = run > GONE
     everything, chance = cases.kolmogorov_smirnov(run, seen)
     head = f"{name:26s} {gone.mean():5.0%}"
     if gone.sum() < 5:
         print(f"{head}  too few leave{'':28s} {everything:5.2f} {chance:8.1e}")
-        return everything
+        return 1.0, everything
     distance, likely = cases.kolmogorov_smirnov(run[gone], seen)
     print(
         f"{head} {run[gone].mean():6.1f} {run[gone].std():6.1f} {np.quantile(run[gone], 0.9):6.1f} "
         f"{spread(way[gone]):7.1f} {distance:6.2f} {likely:8.1e} {everything:5.2f} {chance:8.1e}"
     )
-    return everything
+    return distance, everything
 
 
 def picture(path: Path, ways: dict[str, FloatArray], observed: FloatArray) -> None:
@@ -189,7 +189,7 @@ def main() -> None:
     throws, rocks = throws_of(asked.data, known), list(known.values())
     observed = throws.deposit - throws.place
 
-    def run(name: str, case: Case) -> tuple[float, FloatArray]:
+    def run(name: str, case: Case) -> tuple[tuple[float, float], FloatArray]:
         way = displacements(case, throws, rocks, asked.orientations)
         return line(name, way, observed), way
 
@@ -206,7 +206,8 @@ def main() -> None:
             value: run(f"hard, {key} {value:g}", Case(replace(hard, **{key: value})))[0]
             for value in values
         }
-        print(f"  best {key}: {min(scan, key=scan.get):g}, by D of all")
+        gone, everything = (values[k] for k in np.argmin([scan[v] for v in values], axis=0))
+        print(f"  best {key}: {gone:g} by D of those that leave, {everything:g} by D of all")
     for push in PUSHES:
         for roughness in (0.0, 0.1):
             run(f"hard, +{push:g} m/s, rough {roughness:g}", Case(hard, push, roughness))
