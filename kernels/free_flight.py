@@ -12,7 +12,6 @@ from warpdem.kernels.ground import column_of, row_of
 from warpdem.kernels.precision import mat33, quat, real, vec3
 from warpdem.kernels.variant import inlined
 
-
 # of one stretch of free flight
 MOST_STEPS = wp.constant(real(1.0e6))
 

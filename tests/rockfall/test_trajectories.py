@@ -142,7 +142,7 @@ def test_no_cell_below_a_parabola_is_left_out(finer):
     fine = replace(
         grid, cell=grid.cell / finer, rows=grid.rows * finer, columns=grid.columns * finer
     )
-    site, end = throw(results=fine)
+    _, end = throw(results=fine)
     time = np.linspace(0.0, end.time[0], 200_001)
     x, y = 0.3 + 6.0 * time, 0.2 + 3.7 * time
     z = 5.0 + 12.0 * time - 0.5 * G * time**2
@@ -173,7 +173,7 @@ def test_barrier_is_met_where_the_parabola_is():
 def test_barrier_that_can_take_the_energy_catches_below_its_height():
     across = np.array([[6.3, -20.0], [6.3, 30.0]])
     low = Barrier("low", across, 3.0, 1e9)
-    high = Barrier("high", across + [3.0, 0.0], 50.0, 1e9)
+    high = Barrier("high", across + np.array([3.0, 0.0]), 50.0, 1e9)
     _, end = throw(barriers=(high, low))
 
     assert end.crossings.barrier.tolist() == [1, 0]

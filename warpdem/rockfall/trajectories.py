@@ -143,22 +143,28 @@ class Trajectories:
 
     def follow(self, starts: Starts, every: float) -> list[Sample]:
         """The ways of a few rocks, in samples at least ``every`` [s] apart, ends included."""
-        return [self._follow_one(starts, row, every) for row in range(len(starts.id))]
+        rows = np.arange(len(starts.id))
+        bundles = [rows[first : first + self._room] for first in range(0, len(rows), self._room)]
+        return [sample for bundle in bundles for sample in self._follow(starts, bundle, every)]
 
-    def _follow_one(self, starts: Starts, row: int, every: float) -> Sample:
-        slot = np.zeros(1, np.int64)
-        self._begin_in(slot, starts, np.array([row]))
-        kept = [self._motion()[0].copy()]
-        moving = True
-        while moving:
-            self._launch(slot, 1)
+    def _follow(self, starts: Starts, rows: IntArray, every: float) -> list[Sample]:
+        """Samples of as many rocks as there are slots, pass by pass."""
+        active = np.arange(len(rows))
+        self._begin_in(active, starts, rows)
+        kept, owner = [self._motion()[active].copy()], [active]
+        last = np.zeros(len(rows))
+        while len(active):
+            self._launch(active, 1)
             self._slots.visit_count.zero_()
             self._slots.crossing_count.zero_()
-            now = self._motion()[0]
-            moving = self._slots.fate.numpy()[0] == Fate.MOVING
-            if not moving or now["time"] - kept[-1]["time"] >= every:
-                kept.append(now.copy())
-        return _sample(np.array(kept))
+            now = self._motion()[active]
+            moving = self._slots.fate.numpy()[active] == Fate.MOVING
+            due = ~moving | (now["time"] - last[active] >= every)
+            last[active[due]] = now["time"][due]
+            kept.append(now[due].copy())
+            owner.append(active[due])
+            active = active[moving]
+        return _split(np.concatenate(kept), np.concatenate(owner), len(rows))
 
     def _motion(self) -> np.ndarray:
         return self._slots.motion.numpy()
@@ -298,6 +304,13 @@ def _joined(parts: list[tuple[IntArray, np.ndarray]], kind: Any) -> tuple[IntArr
     row = np.concatenate([part[0] for part in parts])
     order = np.argsort(row, kind="stable")
     return row[order], np.concatenate([part[1] for part in parts])[order]
+
+
+def _split(motion: np.ndarray, owner: IntArray, count: int) -> list[Sample]:
+    """States of many rocks in the order of time, as samples of each."""
+    order = np.argsort(owner, kind="stable")
+    ends = np.searchsorted(owner[order], np.arange(1, count))
+    return [_sample(part) for part in np.split(motion[order], ends)]
 
 
 def _sample(motion: np.ndarray) -> Sample:
