@@ -31,6 +31,7 @@ _PANELS = (
     ("reach_probability", "Reach probability", "share of the trajectories [%]", "YlGnBu"),
     ("energy_q95", "Kinetic energy, 95 % quantile", "energy [kJ]", "YlOrRd"),
 )
+_TITLE, _HEADING, _SMALL = 13, 10.5, 8  # points
 
 
 def write_map(
@@ -75,7 +76,7 @@ def write_map(
         values = spread(shown[name], tally, site.results) * _PER_UNIT[name]
         _colours(axes, values, site, label=label, colours=colours)
         _barriers(axes, site)
-        axes.set_title(heading, fontsize=11, color=_INK)
+        axes.set_title(heading, fontsize=_HEADING, color=_INK)
         _frame(axes, site, window)
     _deposits(panels[0], site, deposits[:DOTS])
     _paths(panels[1], site, traces)
@@ -115,7 +116,7 @@ def _ground(axes: Any, site: Site, window: Window) -> None:
     half_x, half_y = 0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0])
     extent = (x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y)
     axes.imshow(
-        ground.shade(), cmap="gray", vmin=-0.35, vmax=1.0, origin="lower", extent=extent,
+        ground.shade(), cmap="gray", vmin=-1.6, vmax=1.1, origin="lower", extent=extent,
         interpolation="bilinear", zorder=0,
     )  # fmt: skip
     heights = np.ma.masked_invalid(ground.heights)
@@ -129,15 +130,13 @@ def _ground(axes: Any, site: Site, window: Window) -> None:
 
 
 def _colours(axes: Any, values: FloatArray, site: Site, *, label: str, colours: str) -> None:
-    """A raster in colours of logarithmic scale, and what they mean."""
-    from matplotlib.colors import LogNorm  # noqa: PLC0415 - takes a second
+    """A raster in colours by the root of its values, and what they mean."""
+    from matplotlib.colors import PowerNorm  # noqa: PLC0415 - takes a second
 
     known = np.ma.masked_invalid(values)
-    known = np.ma.masked_less_equal(known, 0.0)
-    if not known.count():
+    if not known.count() or not known.max() > 0.0:
         return
-    top = float(known.max())
-    norm = LogNorm(max(float(known.min()), 1e-4 * top) * 0.999, top * 1.001)
+    norm = PowerNorm(0.5, 0.0, float(known.max()))
     grid = site.results
     west, south = site.origin[0] + grid.x, site.origin[1] + grid.y
     extent = (west, west + grid.columns * grid.cell, south, south + grid.rows * grid.cell)
@@ -146,9 +145,10 @@ def _colours(axes: Any, values: FloatArray, site: Site, *, label: str, colours: 
         alpha=0.78, zorder=1,
     )  # fmt: skip
     bar = axes.figure.colorbar(image, ax=axes, shrink=0.75, pad=0.015, aspect=32)
-    bar.set_label(label, fontsize=9, color=_INK)
+    bar.set_label(label, fontsize=_SMALL, color=_INK)
     bar.ax.yaxis.set_major_formatter("{x:g}")
-    bar.ax.tick_params(labelsize=8)
+    bar.ax.tick_params(labelsize=_SMALL, width=0.5)
+    bar.solids.set_alpha(1.0)
     bar.outline.set_linewidth(0.4)
 
 
@@ -167,10 +167,10 @@ def _barriers(axes: Any, site: Site) -> None:
 def _deposits(axes: Any, site: Site, deposits: FloatArray) -> None:
     x, y = (deposits + site.origin[:2]).T
     size = float(np.clip(3000.0 / max(len(x), 1), 1.5, 14.0))
-    axes.scatter(
-        x, y, s=size, color="#d81b60", edgecolor="white", linewidth=0.15, zorder=6,
-        label=f"deposits ({len(x):,})",
-    )  # fmt: skip
+    dots = {"color": "#d81b60", "edgecolor": "white"}
+    axes.scatter(x, y, s=size, linewidth=0.15, zorder=6, **dots)
+    if len(x):  # a dot of its own for the legend: those of the map may be tiny
+        axes.scatter([], [], s=16.0, linewidth=0.3, label="deposits", **dots)
 
 
 def _paths(axes: Any, site: Site, traces: Sequence[Trace]) -> None:
@@ -204,7 +204,7 @@ def _frame(axes: Any, site: Site, window: Window) -> None:
 
 
 def _furniture(axes: Any, site: Site, window: Window) -> None:
-    """Scale bar and north arrow, in the corner that is freest of neither: lower left, upper left."""
+    """Scale bar in the lower left corner and north arrow in the upper one."""
     from matplotlib.patheffects import withStroke  # noqa: PLC0415 - takes a second
 
     halo = [withStroke(linewidth=2.2, foreground="white", alpha=0.9)]
@@ -235,18 +235,20 @@ def _headings(figure: Any, site: Site, tally: Tally, title: str, deposits: int) 
     """Title above, legend below; entries of the same words are one."""
     place = f", {site.crs}" if site.crs else ""
     some = f", the first {DOTS:,} deposits drawn" if deposits > DOTS else ""
-    figure.suptitle(
-        f"{title}\n{tally.trajectories:,} trajectories{some}{place}", fontsize=12, color=_INK
-    )
+    figure.suptitle(title, fontsize=_TITLE, fontweight="bold", color=_INK)
+    counted = f"{tally.trajectories:,} trajectories{some}{place}"
+    figure.supxlabel(counted, fontsize=_SMALL, color=_INK)
     found = {}
     for axes in figure.axes:
         handles, labels = axes.get_legend_handles_labels()
         found |= dict(zip(labels, handles, strict=True))
     if found:
-        figure.legend(
-            found.values(), found.keys(), loc="outside lower center", ncols=6, fontsize=8,
+        legend = figure.legend(
+            found.values(), found.keys(), loc="outside lower center", ncols=6, fontsize=_SMALL,
             frameon=False,
         )  # fmt: skip
+        for handle in legend.legend_handles:
+            handle.set_alpha(1.0)
 
 
 def _round(value: float) -> float:

@@ -50,7 +50,17 @@ class Relief:
             east, north = np.sin(np.radians(azimuth)), np.cos(np.radians(azimuth))
             across = np.cos(_ALTITUDE) * (east * rise_x + north * rise_y)
             light += share * np.clip((np.sin(_ALTITUDE) - across) * upright, 0.0, 1.0)
+        return _stretched(light)
+
+
+def _stretched(light: FloatArray) -> FloatArray:
+    """Light spread from 0 to 1: a slope in the shade would be black all over."""
+    known = light[np.isfinite(light)]
+    if not len(known):
         return light
+    dark, bright = np.percentile(known, [2.0, 98.0])
+    spread = max(float(bright - dark), 0.2)  # a plane stays grey
+    return np.clip(0.5 + (light - 0.5 * (dark + bright)) / spread, 0.0, 1.0)
 
 
 def relief(site: Site, window: Window) -> Relief | None:
