@@ -31,7 +31,9 @@ def site(*, cell=10.0, rows=30, columns=40, known=None):
         1.0,
     )
     classes = (GroundClass("hard", 0.55, 2.0, 3.0, 185.0, 0.4),)
-    net = Barrier('net, "upper"', np.array([[200.0, 0.0], [200.0, 100.0], [260.0, 180.0]]), 3.0, 5e5)
+    net = Barrier(
+        'net, "upper"', np.array([[200.0, 0.0], [200.0, 100.0], [260.0, 180.0]]), 3.0, 5e5
+    )
     line = Barrier("road", np.array([[300.0, 0.0], [300.0, 300.0]]), np.inf, 0.0)
     return Site(
         origin=ORIGIN,

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from warpdem.rockfall.site import Site
 
 DEPOSIT_COLUMNS = (
-    "id,release,rock,fate,x,y,z,time,runout,fall,reach_angle,"
-    "energy_max,speed_max,jump_max,spin_max"
+    "id,release,rock,fate,x,y,z,time,runout,fall,reach_angle,energy_max,speed_max,jump_max,spin_max"
 )
 """Numbers from 0, a name, a word, national [m], [s], horizontal distance and fall from the start
 [m], the angle between them below horizontal [degrees], J, m/s, m, rad/s."""
@@ -70,7 +69,10 @@ def crossing_rows(flights: Flights, site: Site) -> Iterator[str]:
     crossings = flights.crossings
     names = np.array([quoted(barrier.name) for barrier in site.barriers] or [""])
     distance = along(site.barriers, crossings)
-    reals = [distance, *(getattr(crossings, name) for name in ("height", "energy", "speed", "spin"))]
+    reals = [
+        distance,
+        *(getattr(crossings, name) for name in ("height", "energy", "speed", "spin")),
+    ]
     return rows(
         f"%d,%s,%d,{_REAL},{_NATIONAL}" + f",{_REAL}" * len(reals),
         [

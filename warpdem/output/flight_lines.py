@@ -47,9 +47,7 @@ def trace_rows(trace: Trace, site: Site, rocks: Sequence[Rock]) -> Iterator[str]
     )
 
 
-def flight_lines(
-    traces: Sequence[Trace], site: Site, rocks: Sequence[Rock]
-) -> vtkUnstructuredGrid:
+def flight_lines(traces: Sequence[Trace], site: Site, rocks: Sequence[Rock]) -> vtkUnstructuredGrid:
     """A line a trajectory, one or more, through its samples.
 
     Points are local coordinates, and the field "origin" gives what national ones are more: graphics

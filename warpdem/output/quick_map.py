@@ -235,9 +235,8 @@ def _headings(figure: Any, site: Site, tally: Tally, title: str, deposits: int) 
     """Title above, legend below; entries of the same words are one."""
     place = f", {site.crs}" if site.crs else ""
     some = f", the first {DOTS:,} deposits drawn" if deposits > DOTS else ""
-    figure.suptitle(title, fontsize=_TITLE, fontweight="bold", color=_INK)
     counted = f"{tally.trajectories:,} trajectories{some}{place}"
-    figure.supxlabel(counted, fontsize=_SMALL, color=_INK)
+    figure.suptitle(f"{title}\n{counted}", fontsize=_TITLE, color=_INK)
     found = {}
     for axes in figure.axes:
         handles, labels = axes.get_legend_handles_labels()

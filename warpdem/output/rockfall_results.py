@@ -80,7 +80,8 @@ def write_results(
     Args:
         folder: Where; it exists.
         wanted: Which.
-        site, rocks: What fell on what.
+        site: What rocks fell on.
+        rocks: By their numbers.
         chunks: All trajectories in the order of their ids, read once and not kept (their visits
             are not looked at).
         tally: Of all of them.
