@@ -9,6 +9,7 @@ import numpy as np
 
 from warpdem.errors import OutputError
 from warpdem.geometry.orientation import product
+from warpdem.output.rows import quoted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -126,7 +127,7 @@ class Driven:
 
     def __init__(self, bodies: IntArray, names: Sequence[str], frame_rotation: FloatArray) -> None:
         self._bodies = bodies
-        self._names = [_quoted(name) for name in names]
+        self._names = [quoted(name) for name in names]
         self._to_file_axes = frame_rotation * np.array([1.0, -1.0, -1.0, -1.0])
 
     def rows(self, snapshot: Snapshot) -> str:
@@ -152,13 +153,6 @@ class Driven:
             for name, row in zip(self._names, table.tolist(), strict=True)
         ]
         return "".join(f"{line}\n" for line in lines)
-
-
-def _quoted(name: str) -> str:
-    """A name as a CSV field (RFC 4180)."""
-    if not {*name} & {*',"\r\n'}:
-        return name
-    return '"' + name.replace('"', '""') + '"'
 
 
 def energy_row(time: float, energy: Energy) -> str:

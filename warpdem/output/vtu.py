@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonCore import vtkCommand, vtkPoints
+from vtkmodules.vtkCommonCore import vtkCommand, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import (
+    VTK_POLY_LINE,
     VTK_POLYGON,
     VTK_VERTEX,
     vtkCellArray,
@@ -22,11 +23,11 @@ from vtkmodules.vtkCommonDataModel import (
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from numpy.typing import NDArray
-    from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes
+    from vtkmodules.vtkCommonDataModel import vtkFieldData
 
 END = b"</VTKFile>\n"
 """The last bytes of a whole file."""
@@ -40,6 +41,7 @@ def polygons(
     connectivity: NDArray[np.int32],
     offsets: NDArray[np.int32],
     cell_data: Mapping[str, NDArray[Any]],
+    point_data: Mapping[str, NDArray[Any]] | None = None,
 ) -> vtkUnstructuredGrid:
     """Grid of polygons.
 
@@ -49,10 +51,45 @@ def polygons(
         offsets: Where each polygon starts in ``connectivity`` and the last one ends,
             shape [polygon_count + 1].
         cell_data: Arrays by name, shape [polygon_count] or [polygon_count, component_count].
+        point_data: Arrays by name, a row a corner.
     """
     grid = _grid(points, VTK_POLYGON, connectivity, offsets)
     _attach(grid.GetCellData(), cell_data)
+    _attach(grid.GetPointData(), point_data or {})
     return grid
+
+
+def polylines(
+    points: NDArray[np.floating],
+    offsets: NDArray[np.int32],
+    point_data: Mapping[str, NDArray[Any]],
+    cell_data: Mapping[str, NDArray[Any]],
+) -> vtkUnstructuredGrid:
+    """Grid of lines, each through the points that follow those of the line before.
+
+    Args:
+        points: [m], shape [point_count, 3].
+        offsets: Where each line starts in ``points`` and the last one ends, shape
+            [line_count + 1].
+        point_data: Arrays by name, a row a point.
+        cell_data: Arrays by name, a row a line.
+    """
+    grid = _grid(points, VTK_POLY_LINE, np.arange(len(points), dtype=np.int32), offsets)
+    _attach(grid.GetPointData(), point_data)
+    _attach(grid.GetCellData(), cell_data)
+    return grid
+
+
+def note(grid: vtkUnstructuredGrid, name: str, values: NDArray[Any] | Sequence[str]) -> None:
+    """Give a grid values that belong to the whole of it: numbers, or words."""
+    if isinstance(values, np.ndarray):
+        _attach(grid.GetFieldData(), {name: values})
+        return
+    words = vtkStringArray()
+    words.SetName(name)
+    for word in values:
+        words.InsertNextValue(word)
+    grid.GetFieldData().AddArray(words)
 
 
 def vertices(
@@ -134,7 +171,7 @@ def _grid(
     return grid
 
 
-def _attach(attributes: vtkDataSetAttributes, data: Mapping[str, NDArray[Any]]) -> None:
+def _attach(attributes: vtkFieldData, data: Mapping[str, NDArray[Any]]) -> None:
     for name, values in data.items():
         array = numpy_to_vtk(np.ascontiguousarray(values))
         array.SetName(name)
