@@ -86,8 +86,8 @@ def _nodes(ground: Ground) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 def _sampled(ground: Ground, grid: Grid) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Heights of triangles under the middles of the cells."""
-    x = grid.x + grid.cell * (np.arange(grid.columns) + 0.5)
-    y = grid.y + grid.cell * (np.arange(grid.rows) + 0.5)
+    x = grid.x + grid.cell * (np.arange(grid.columns, dtype=np.float64) + 0.5)
+    y = grid.y + grid.cell * (np.arange(grid.rows, dtype=np.float64) + 0.5)
     plan_x, plan_y = np.meshgrid(x, y)
     heights = ground.height(plan_x.ravel(), plan_y.ravel())
     return x, y, heights.reshape(plan_x.shape)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,7 @@ QUANTILES = {"median": 500, "q90": 900, "q95": 950, "q99": 990}
 """In thousandths, by the end of the rasters' names."""
 
 
-def rasters(tally: Tally, site: Site) -> dict[str, NDArray[np.generic]]:
+def rasters(tally: Tally, site: Site) -> dict[str, NDArray[Any]]:
     """Rasters of the site's cells by name, row 0 in the south; shape [rows, columns] each.
 
     "passages" and "deposits" are whole numbers, int32, 0 where there are none. The others are
@@ -32,7 +32,7 @@ def rasters(tally: Tally, site: Site) -> dict[str, NDArray[np.generic]]:
     return {name: spread(values, tally, site.results) for name, values in columns(tally)}
 
 
-def columns(tally: Tally) -> Iterator[tuple[str, NDArray[np.generic]]]:
+def columns(tally: Tally) -> Iterator[tuple[str, NDArray[Any]]]:
     """The rasters' names and values in the cells of the tally alone, shape [cell_count]."""
     yield "passages", tally.passages.astype(np.int32)
     yield "deposits", tally.deposits.astype(np.int32)
@@ -47,7 +47,7 @@ def columns(tally: Tally) -> Iterator[tuple[str, NDArray[np.generic]]]:
         yield f"{quantity}_max", np.where(passed, tally.largest[:, number], np.float32(np.nan))
 
 
-def spread(values: NDArray[np.generic], tally: Tally, grid: Grid) -> NDArray[np.generic]:
+def spread(values: NDArray[Any], tally: Tally, grid: Grid) -> NDArray[Any]:
     """A raster of the tally's cells: whole numbers over 0, others over NaN."""
     blank = 0 if values.dtype.kind == "i" else np.nan
     raster = np.full(grid.rows * grid.columns, blank, values.dtype)

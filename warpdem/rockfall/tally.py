@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import reduce
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -186,14 +186,14 @@ class Tally:
             row[passed] = np.where(rank == samples, largest, value).reshape(-1, len(QUANTITIES))
         return found
 
-    def arrays(self) -> dict[str, NDArray[np.generic]]:
+    def arrays(self) -> dict[str, NDArray[Any]]:
         """All of it by name, for a file."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @classmethod
-    def from_arrays(cls, arrays: Mapping[str, NDArray[np.generic]]) -> Self:
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
         """A tally from what ``arrays`` gave; other entries of the mapping are left alone."""
-        return cls(**{field.name: arrays[field.name] for field in fields(cls)})  # pyright: ignore[reportArgumentType]
+        return cls(**{field.name: arrays[field.name] for field in fields(cls)})
 
 
 _CELL_ARRAYS = ("cell", "passages", "deposits", "largest", "high", "low")
