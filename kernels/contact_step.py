@@ -11,6 +11,7 @@ import warp as wp
 from warpdem.kernels.fall_views import (
     CONTACT_STEPS,
     DEPTH,
+    FLIGHT_STEPS,
     FROZEN,
     GAIN,
     LIFTED,
@@ -118,7 +119,10 @@ def middle_of(parts: Parts) -> wp.Function:
         k = gyroscopic_axis(theta, middle_spin(theta, motion.spin, dt))
         inverse = sharp_inverse(theta, k, dt)
         middle.body.inverse_mass = inverse_mass
-        middle.body.inverse_inertia = middle.turn @ inverse @ wp.transpose(middle.turn)
+        back = wp.transpose(middle.turn)
+        middle.body.inverse_inertia = middle.turn @ inverse @ back
+        weights = theta / (theta[0] * theta[1] * theta[2])
+        middle.body.cofactor = middle.turn @ wp.diag(weights) @ back
         middle.start.velocity = motion.velocity
         middle.start.spin = middle.turn @ motion.spin
         middle.free.velocity = motion.velocity + dt * rules.gravity
@@ -225,7 +229,6 @@ def ended(
     after.spin = spin
     after.time = motion.time + dt
     after.touching = touching
-    after.near_ground = int(1)
     after.step = dt
     return after
 
@@ -255,11 +258,12 @@ def contact_step(parts: Parts) -> wp.Function:
             warm = dt / motion.step  # percussions go with the length of the step
         touched = touch(terrain, rocks, rock, centre, middle.turn, friction, warm, flights, slot)
         scar = real(0.0)
-        immersed = int(0)
+        immersed = int(0)  # some vertex is below the surface, if not on the hard ground
+        if touched.count > 0:
+            immersed = 1
         slowing = real(0.0)
         if wp.static(parts.scarring):
-            if touched.count > 0:
-                immersed = 1
+            if immersed == 1:
                 scar = motion.scar
                 if motion.near_ground == 0:
                     modulus = classes.scar_modulus[kind]
@@ -281,18 +285,20 @@ def contact_step(parts: Parts) -> wp.Function:
         if touched.count == 0 and immersed == 0:
             after = free(rules, motion, theta, slowing, dt)
             after.slip = motion.slip * wp.exp(-classes.beta[kind] * dt)
+            flights.count[slot, FLIGHT_STEPS] += 1
         else:
+            flights.count[slot, CONTACT_STEPS] += 1
             middle.free.velocity = middle.free.velocity / (real(1.0) + slowing * dt)
             twist = middle.free
             touching = int(0)
             if touched.count > 0:
                 twist = press(rules, classes, kind, middle, touched.count, dt, flights, slot)
                 touching = keep_percussions(flights, slot, touched.count)
-                flights.count[slot, CONTACT_STEPS] += 1
                 flights.measure[slot, DEPTH] = wp.max(flights.measure[slot, DEPTH], touched.depth)
             drag = classes.drag[kind]
             after = ended(motion, middle, twist, touching, drag, classes.beta[kind], dt)
             after.scar = scar
+            after.near_ground = immersed
             before = energy_over_mass(rules, motion, theta / mass)
             gain = energy_over_mass(rules, after, theta / mass) - before
             flights.measure[slot, GAIN] = wp.max(flights.measure[slot, GAIN], gain)

@@ -155,7 +155,7 @@ class Motion:
     scar: real  # depth of the scarring layer of this impact, 0 in the air
     step: real  # length of the last step in contact [s]
     touching: int  # some percussion pressed in the last step
-    near_ground: int  # some vertex was active in the last step
+    near_ground: int  # some vertex was below the surface in the last step
 
 
 @wp.struct

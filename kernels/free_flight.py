@@ -14,6 +14,8 @@ from warpdem.kernels.variant import inlined
 
 # of one stretch of free flight
 MOST_STEPS = wp.constant(real(1.0e6))
+# step of a rock however fast, over the largest one: time must go on
+SHORTEST = wp.constant(real(1.0e-3))
 
 
 @wp.func
@@ -97,7 +99,7 @@ def step_length(rules: Rules, motion: Motion, bound: real) -> real:
     speed = wp.length(motion.velocity)
     if rules.stride > real(0.0):
         fastest = speed + bound * wp.length(motion.spin) + real(1.0e-12)
-        dt = wp.clamp(rules.stride * bound / fastest, real(0.01) * rules.dt, rules.dt)
+        dt = wp.clamp(rules.stride * bound / fastest, SHORTEST * rules.dt, rules.dt)
     return wp.min(dt, rules.travel / (speed + real(1.0e-12)))
 
 

@@ -61,7 +61,7 @@ def way_of(rocks: Rocks, rules: Rules, rock: int, before: Motion, after: Motion)
     way.mass = rocks.mass[rock]
     way.spinning = spin_energy(before, rocks.inertia[rock])
     way.spun = spin_energy(after, rocks.inertia[rock]) - way.spinning
-    way.spin = wp.max(wp.length(before.spin), wp.length(after.spin))
+    way.spin = wp.sqrt(wp.max(wp.length_sq(before.spin), wp.length_sq(after.spin)))
     way.time = before.time
     way.duration = h
     return way

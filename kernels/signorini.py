@@ -45,6 +45,7 @@ class Body:
 
     inverse_mass: real
     inverse_inertia: mat33  # along the world's axes, of the implicit gyroscopic term; unsymmetric
+    cofactor: mat33  # of its symmetric part
 
 
 @wp.func
@@ -82,24 +83,25 @@ def projected(percussion: vec3, normal: vec3, friction: real) -> vec3:
 
 @wp.func
 def prepared(contact: Contact, body: Body) -> Contact:
-    """The contact with its own parts of the Delassus operator."""
+    """The contact with its own parts of the Delassus operator G = 1/m + a~^T I^-1 a~.
+
+    Of the tangential block of a~^T I^-1 a~ the trace is |a|^2 tr I^-1 - a.I^-1 a - G_nn and the
+    determinant (a.cof(I^-1) a) (a.n)^2, because a itself is its null vector.
+    """
     arm = contact.arm
     n = contact.normal
     ready = contact
-    ready.turn = body.inverse_inertia @ wp.cross(arm, n)
-    ready.normal_relief = real(1.0) / (body.inverse_mass + wp.dot(n, wp.cross(ready.turn, arm)))
-    helper = vec3(n[2], real(0.0), -n[0])
-    if wp.abs(n[1]) > real(0.9):
-        helper = vec3(real(0.0), n[2], -n[1])
-    s = wp.normalize(helper)
-    t = wp.cross(n, s)
-    turn_s = wp.cross(body.inverse_inertia @ wp.cross(arm, s), arm)
-    turn_t = wp.cross(body.inverse_inertia @ wp.cross(arm, t), arm)
-    ss = wp.dot(s, turn_s)
-    tt = wp.dot(t, turn_t)
-    st = real(0.5) * (wp.dot(s, turn_t) + wp.dot(t, turn_s))
-    spread = wp.sqrt(real(0.25) * (ss - tt) * (ss - tt) + st * st)
-    ready.tangent_relief = real(1.0) / (body.inverse_mass + real(0.5) * (ss + tt) + spread)
+    lever = wp.cross(arm, n)
+    ready.turn = body.inverse_inertia @ lever
+    normal = wp.dot(lever, ready.turn)
+    ready.normal_relief = real(1.0) / (body.inverse_mass + normal)
+    trace = wp.length_sq(arm) * wp.trace(body.inverse_inertia)
+    trace -= wp.dot(arm, body.inverse_inertia @ arm) + normal
+    along = wp.dot(arm, n)
+    determinant = wp.dot(arm, body.cofactor @ arm) * along * along
+    spread = wp.sqrt(wp.max(real(0.0), trace * trace - real(4.0) * determinant))
+    largest = real(0.5) * (trace + spread)
+    ready.tangent_relief = real(1.0) / (body.inverse_mass + largest)
     ready.percussion = projected(contact.percussion, n, contact.friction)
     return ready
 

@@ -89,7 +89,8 @@ def one_pass(parts: Parts) -> wp.Function:
         dt = step_length(rules, motion, rocks.bound[rock])
         steps = int(0)
         if wp.static(parts.sphere):
-            steps = steps_free(terrain, rocks, rules, motion, rock, dt)
+            if motion.near_ground == 0:
+                steps = steps_free(terrain, rocks, rules, motion, rock, dt)
         after = Motion()
         if steps > 0:
             drag = real(0.0)
@@ -104,8 +105,6 @@ def one_pass(parts: Parts) -> wp.Function:
             flights.count[slot, JUMPS] += 1
         else:
             after = step(terrain, rocks, classes, obstacles, rules, flights, slot, rock, motion, dt)
-            if after.near_ground == 0:
-                flights.count[slot, FLIGHT_STEPS] += 1
         return after
 
     return one_pass
