@@ -191,6 +191,16 @@ def test_rocks_are_drawn_by_weight():
     assert np.bincount(alike) / 20_000 == pytest.approx(np.full(3, 1 / 3), abs=0.015)
 
 
+def test_a_z_within_the_ground_is_raised_to_it_and_one_above_is_kept():
+    low = {**AT, "points": [[X, Y, Z - 3.0]]}
+    made = scene([low])
+    rocks = rocks_of(made)
+    sunk = Releases(made, site(), rocks).starts(np.arange(20))
+    assert clearance(sunk, rocks) == pytest.approx(0.0, abs=1e-9)
+    above = starts({**AT, "points": [[X, Y, Z + 7.0]]}, n=20)
+    assert above.position[:, 2] == pytest.approx(7.0, abs=1e-9)
+
+
 def test_a_line_is_met_evenly_along_its_length():
     line = [[X, Y], [X, Y], [X + 10, Y], [X + 10, Y + 30], [X + 10, Y + 30]]
     found = starts({"kind": "line", "line": line}, n=20_000).position

@@ -63,7 +63,7 @@ class _Release(Section):
 
     height: Amount | None = None
     """Vertical distance of the rock's lowest point from the ground under it [m], a number or a
-    range; default: the z given, or else 0.02."""
+    range; default: as the z given says, or else 0.02. A z within the ground is raised to it."""
 
     velocity: Vector | None = None
     """Initial velocity [m/s]; default: at rest. Or speed."""

@@ -40,13 +40,6 @@ if TYPE_CHECKING:
     from warpdem.rockfall.tally import Tally
     from warpdem.rockfall.trace import Trace
 
-OWN = (
-    r"(deposits|barriers|barrier_statistics|trajectories)\.csv|(trajectories|terrain|rocks)\.vtu"
-    r"|map\.png|(passages|deposits|reach_probability"
-    r"|(energy|speed|jump|spin)_(mean|median|q90|q95|q99|max))\.(asc|tif)"
-)
-"""Pattern of the names of these files."""
-
 
 @dataclass(frozen=True)
 class Wanted:

@@ -129,20 +129,21 @@ class Releases:
         position: FloatArray,
         orientation: FloatArray,
     ) -> FloatArray:
-        """Positions with z at its height above the ground, where it is not given."""
+        """Positions with z at its height above the ground, or as given if that is not below it."""
         height = source.section.height
         clearance = amounts(_CLEARANCE if height is None else height, streams, Purpose.HEIGHT)
         free = np.isnan(position[:, 2]) | (height is not None)
         settled = position.copy()
-        for number in np.unique(rock[free]):
-            at = np.flatnonzero(free & (rock == number))
-            settled[at, 2] = resting_height(
+        for number in np.unique(rock):
+            at = np.flatnonzero(rock == number)
+            rest = resting_height(
                 self._site.ground,
                 self._rocks[number],
                 position[at, :2],
                 orientation[at],
-                clearance[at],
+                np.where(free[at], clearance[at], 0.0),
             )
+            settled[at, 2] = np.where(free[at], rest, np.maximum(position[at, 2], rest))
         return settled
 
     def _misplaced(self, index: int, source: Source) -> list[Problem]:
