@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import warp as wp
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from warpdem.rockfall.flights import Method
     from warpdem.rockfall.rock import Rock
     from warpdem.rockfall.site import Barrier, Ground, Site
+
+Pieces: TypeAlias = "tuple[FloatArray, FloatArray, IntArray]"
+"""Both ends of straight pieces, shape [n, 2] each, and the barrier of each, shape [n]."""
 
 TRAVEL_CELLS = 16
 """Most cells of results that one pass goes along each axis."""
@@ -86,9 +89,7 @@ def parts_of(site: Site, rocks: Sequence[Rock], method: Method, *, visits: bool)
     )
 
 
-def _terrain(
-    site: Site, rocks: Sequence[Rock], pieces: tuple[FloatArray, ...], device: Any
-) -> Terrain:
+def _terrain(site: Site, rocks: Sequence[Rock], pieces: Pieces, device: Any) -> Terrain:
     ground, grid = site.ground, site.ground.grid
     terrain = Terrain()
     terrain.x, terrain.y, terrain.cell = grid.x, grid.y, grid.cell
@@ -165,9 +166,7 @@ def _classes(site: Site, device: Any) -> GroundClasses:
     return view
 
 
-def _obstacles(
-    site: Site, rocks: Sequence[Rock], pieces: tuple[FloatArray, ...], device: Any
-) -> Obstacles:
+def _obstacles(site: Site, rocks: Sequence[Rock], pieces: Pieces, device: Any) -> Obstacles:
     view = Obstacles()
     if site.stand_of is not None:
         view.stand_drag = _reals([stand.drag for stand in site.stands], device)
@@ -188,7 +187,7 @@ def _obstacles(
     return view
 
 
-def _pieces(barriers: Sequence[Barrier]) -> tuple[FloatArray, FloatArray, IntArray]:
+def _pieces(barriers: Sequence[Barrier]) -> Pieces:
     """Both ends of each straight piece of the barriers, and its barrier."""
     if not barriers:
         return np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0, np.int32)

@@ -25,7 +25,8 @@ def polygons_of(path: Path) -> list[tuple[Any, dict[str, Any]]]:
             f"{path}: shapefiles need pyshp; install it with: pip install 'warpdem[geo]'"
         ) from None
     try:
-        with shapefile.Reader(str(path), encodingErrors="replace") as reader:
+        opened: Any = shapefile.Reader(str(path), encodingErrors="replace")
+        with opened as reader:
             records = [(one.shape, one.record.as_dict()) for one in reader.iterShapeRecords()]
     except (shapefile.ShapefileException, struct.error, OSError, ValueError) as error:
         raise GeometryError(f"{path}: cannot be read as a shapefile: {error}") from None

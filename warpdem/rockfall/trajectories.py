@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import warp as wp
 
 from warpdem.devices import find_device
-from warpdem.geometry.orientation import matrix
 from warpdem.kernels.fall_views import (
     Contact,
     Crossing,
@@ -23,13 +21,15 @@ from warpdem.kernels.launching import begin, pack_crossings, pack_visits
 from warpdem.kernels.precision import quat, real, vec3
 from warpdem.kernels.trajectory import advance
 from warpdem.rockfall.device import TRAVEL_CELLS, place_of
-from warpdem.rockfall.flights import COUNTS, MEASURES, Crossings, Fate, Flights, Visits
+from warpdem.rockfall.endings import Endings
+from warpdem.rockfall.flights import COUNTS, MEASURES, Fate
+from warpdem.rockfall.samples import Sample, split
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from warpdem.arrays import FloatArray, IntArray
-    from warpdem.rockfall.flights import Method, Starts
+    from warpdem.arrays import IntArray
+    from warpdem.rockfall.flights import Flights, Method, Starts
     from warpdem.rockfall.rock import Rock
     from warpdem.rockfall.site import Site
 
@@ -53,27 +53,6 @@ MOST_PIECES = 240
 
 class Stopped(Exception):  # noqa: N818 - it is no fault
     """A bundle was given up because somebody asked for it."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """Where one followed rock was, at some times in order.
-
-    Attributes:
-        time: [s], shape [n].
-        position: Local [m], shape [n, 3].
-        orientation: w, x, y, z, shape [n, 4].
-        velocity: [m/s], shape [n, 3].
-        spin: World axes [rad/s], shape [n, 3].
-        contact: Whether it pressed on the ground, shape [n].
-    """
-
-    time: FloatArray
-    position: FloatArray
-    orientation: FloatArray
-    velocity: FloatArray
-    spin: FloatArray
-    contact: np.ndarray
 
 
 class Trajectories:
@@ -124,7 +103,7 @@ class Trajectories:
             Stopped: ``stop`` said so.
         """
         count = len(starts.id)
-        ended = _Ended(count)
+        ended = Endings(count, *(kind.numpy_dtype() for kind in (Motion, Visit, Crossing)))
         queue = np.arange(count)
         owner = np.full(self._room, -1)  # row of ``starts`` in each slot
         while True:
@@ -164,7 +143,7 @@ class Trajectories:
             kept.append(now[due].copy())
             owner.append(active[due])
             active = active[moving]
-        return _split(np.concatenate(kept), np.concatenate(owner), len(rows))
+        return split(np.concatenate(kept), np.concatenate(owner), len(rows))
 
     def _motion(self) -> np.ndarray:
         return self._slots.motion.numpy()
@@ -215,7 +194,7 @@ class Trajectories:
         given = (place.grid, passes, VISIT_ROOM, CROSSING_ROOM, self._active, self._slots)
         self._run(self._advance, len(active), (*shared, *given))
 
-    def _collect(self, active: IntArray, owner: IntArray, ended: _Ended) -> None:
+    def _collect(self, active: IntArray, owner: IntArray, ended: Endings) -> None:
         """Take what the rocks passed, and those that ended, off their slots."""
         if self._place.parts.visits:
             ended.visits.append(self._packed(pack_visits, "visit", active, owner))
@@ -239,88 +218,13 @@ class Trajectories:
         start = np.concatenate([[0], np.cumsum(counts)])
         kind = Visit if name == "visit" else Crossing
         total = int(start[-1])
-        slot = wp.empty(total, dtype=wp.int32, device=self.device)
+        slot = wp.zeros(total, dtype=wp.int32, device=self.device)
         packed = wp.empty(total, dtype=kind, device=self.device)
         if total:
             first = wp.array(start[:-1].astype(np.int32), dtype=wp.int32, device=self.device)
             given = (self._active, first, self._slots, slot, packed)
             self._run(kernel, len(active), given)
-        return owner[slot.numpy()], packed.numpy().copy()
+        return owner[np.asarray(slot.numpy(), np.int64)], np.asarray(packed.numpy()).copy()
 
     def _run(self, kernel: wp.Kernel, count: int, arguments: tuple[Any, ...]) -> None:
         wp.launch(kernel, dim=count, inputs=list(arguments), device=self.device)
-
-
-class _Ended:
-    """Trajectories as they end, by row of their starts."""
-
-    def __init__(self, count: int) -> None:
-        self.fate = np.zeros(count, np.int8)
-        self.motion = np.zeros(count, Motion.numpy_dtype())
-        self.count = np.zeros((count, len(COUNTS)), np.int64)
-        self.measure = np.zeros((count, len(MEASURES)))
-        self.visits: list[tuple[IntArray, np.ndarray]] = []
-        self.crossings: list[tuple[IntArray, np.ndarray]] = []
-
-    def flights(self, starts: Starts) -> Flights:
-        """All of them, in the order of their starts."""
-        end = _sample(self.motion)
-        return Flights(
-            id=starts.id,
-            release=starts.release,
-            rock=starts.rock,
-            fate=self.fate,
-            time=end.time,
-            start=starts.position,
-            position=end.position,
-            orientation=end.orientation,
-            velocity=end.velocity,
-            spin=end.spin,
-            counts=self.count,
-            measures=self.measure,
-            visits=self._visits(starts.id),
-            crossings=self._crossings(starts.id),
-        )
-
-    def _visits(self, ids: IntArray) -> Visits:
-        row, record = _joined(self.visits, Visit)
-        names = [field.name for field in fields(Visits)][1:]
-        columns = {name: record[name].copy() for name in names}
-        columns["cell"] = columns["cell"].astype(np.int64)
-        return Visits(id=ids[row], **columns)
-
-    def _crossings(self, ids: IntArray) -> Crossings:
-        row, record = _joined(self.crossings, Crossing)
-        names = [field.name for field in fields(Crossings)][1:]
-        columns = {name: record[name].copy() for name in names}
-        columns["caught"] = columns["caught"].astype(bool)
-        return Crossings(id=ids[row], **columns)
-
-
-def _joined(parts: list[tuple[IntArray, np.ndarray]], kind: Any) -> tuple[IntArray, np.ndarray]:
-    """Records of all launches, by row, in the order in which they happened."""
-    if not parts:
-        return np.zeros(0, np.int64), np.zeros(0, kind.numpy_dtype())
-    row = np.concatenate([part[0] for part in parts])
-    order = np.argsort(row, kind="stable")
-    return row[order], np.concatenate([part[1] for part in parts])[order]
-
-
-def _split(motion: np.ndarray, owner: IntArray, count: int) -> list[Sample]:
-    """States of many rocks in the order of time, as samples of each."""
-    order = np.argsort(owner, kind="stable")
-    ends = np.searchsorted(owner[order], np.arange(1, count))
-    return [_sample(part) for part in np.split(motion[order], ends)]
-
-
-def _sample(motion: np.ndarray) -> Sample:
-    """States of rocks as arrays, the spin along the world's axes."""
-    orientation = motion["orientation"][:, [3, 0, 1, 2]]
-    return Sample(
-        time=motion["time"].copy(),
-        position=motion["position"].copy(),
-        orientation=orientation,
-        velocity=motion["velocity"].copy(),
-        spin=np.einsum("nij,nj->ni", matrix(orientation), motion["spin"]),
-        contact=motion["touching"] != 0,
-    )
