@@ -1,7 +1,7 @@
 """What the kernel of falling rocks sees: ground, rocks, obstacles, and the flights it moves."""
 
 import warp as wp
-from warpdem.kernels.precision import quat, real, vec3
+from warpdem.kernels.precision import mat33, quat, real, vec3
 
 vec2 = wp.vec2d
 
@@ -176,10 +176,13 @@ class Contact:
     friction: real
     arm: vec3
     normal: vec3
-    turn: vec3  # I^-1 (arm x normal)
+    turn: mat33  # spin by a unit percussion: I^-1 arm~
+    push: vec3  # change of the contact's own velocity by a unit normal percussion
     bias: real  # restitution: eps min(0, approach at the step's start)
-    normal_relief: real  # 1 / G_NN
-    tangent_relief: real  # 1 / largest eigenvalue of G_TT
+    normal_yield: real  # G_NN
+    normal_relief: real  # and its inverse
+    tangent_yield: real  # largest eigenvalue of G_TT
+    tangent_relief: real
     limit: real  # friction bound while frozen
     percussion: vec3
 
