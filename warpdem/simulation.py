@@ -19,7 +19,7 @@ from warpdem.compile import load
 from warpdem.devices import find_device
 from warpdem.drives import Blocks
 from warpdem.driving.plan import plan_of
-from warpdem.errors import UnstableError
+from warpdem.errors import UnstableError, WarpdemError
 from warpdem.features import features_of, stage_names
 from warpdem.filling.placement import place
 from warpdem.kernels.cell import CHUNKS
@@ -78,6 +78,8 @@ class Simulation:
         threads: int | None = None,
         progress: Callable[[str], None] | None = None,
     ) -> None:
+        if scene.run.method != "smooth":
+            raise WarpdemError('run.method = "nonsmooth": fly it by warpdem.run, not a Simulation')
         self.scene = scene
         check_custom_laws(scene)
         self.polyhedra = build_shapes(scene)

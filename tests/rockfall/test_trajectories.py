@@ -2,6 +2,7 @@
 
 from dataclasses import fields, replace
 from math import exp, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,11 +20,13 @@ from slopes import (
     starts,
 )
 
+import warpdem
 from warpdem.rockfall.flights import COUNTS, MEASURES, Fate, Method
 from warpdem.rockfall.rock import Rock
 from warpdem.rockfall.site import Barrier, Facets, Ground, Stand, Trees
 from warpdem.rockfall.trajectories import Stopped, Trajectories
 
+SCENES = Path(__file__).resolve().parents[2] / "scenes"
 HARD = law(0.55, mu_max=2.0, kappa=3.0, beta=185.0, drag=0.4)
 
 
@@ -352,6 +355,13 @@ def test_contacts_beyond_the_room_are_counted():
     )
 
     assert end.counts[0, COUNTS.index("dropped")] >= 24
+
+
+def test_a_simulation_refuses_a_rockfall_scene():
+    scene = warpdem.load(SCENES / "rockfall_tschamut.toml")
+
+    with pytest.raises(warpdem.WarpdemError, match=r"warpdem\.run"):
+        warpdem.Simulation(scene)
 
 
 def test_bundle_is_given_up_when_asked(bundle):
