@@ -5,10 +5,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import warp as wp
+from warpdem.kernels.launching import pack_crossings, pack_visits
 
 from warpdem import Simulation, load
 from warpdem.compile import kernels_of
 from warpdem.devices import start_warp
+from warpdem.rockfall.flights import Fate
+from warpdem.rockfall.task import prepared
+from warpdem.rockfall.trajectories import Trajectories
 
 SCENES = Path(__file__).resolve().parents[1] / "scenes"
 
@@ -45,6 +49,20 @@ def test_every_kernel_compiles_for_cuda_without_a_device(scene, tmp_path):
     assert len(list(tmp_path.glob("*.ptx"))) == len({kernel.module for kernel in kernels.values()})
 
 
+@pytest.mark.parametrize(
+    "scene",
+    ["rockfall_tschamut", pytest.param("rockfall_valley", marks=pytest.mark.slow)],
+)
+def test_rockfall_compiles_for_cuda_without_a_device(scene, tmp_path):
+    flyer = prepared(load(SCENES / f"{scene}.toml"), "cpu", "").work.flyer()
+    kernels = (flyer._begin, flyer._advance, pack_visits, pack_crossings)
+
+    for kernel in kernels:
+        wp.compile_aot_module(kernel.module, arch=HOPPER_GPU, module_dir=tmp_path, use_ptx=True)
+
+    assert len(list(tmp_path.glob("*.ptx"))) == len({kernel.module for kernel in kernels})
+
+
 @pytest.mark.usefixtures("_device")
 @pytest.mark.parametrize(
     "scene",
@@ -71,3 +89,37 @@ def test_cuda_runs_repeat_bitwise_and_after_a_restore():
     second.advance(0.4)
 
     assert (whole.snapshot().position == second.snapshot().position).all()
+
+
+def flown(scene, device, count, **how):
+    """The first trajectories of a rockfall scene."""
+    ready = prepared(load(SCENES / f"{scene}.toml", [f"ensemble.count={count}"]), device, "")
+    flyer = Trajectories(ready.work.site, ready.work.rocks, ready.work.method, device=device, **how)
+    return flyer.fly(ready.releases.starts(np.arange(count)))
+
+
+@pytest.mark.usefixtures("_device")
+@pytest.mark.parametrize("scene", ["rockfall_tschamut", "rockfall_valley"])
+def test_rockfall_on_cuda_does_not_depend_on_slots_nor_passes(scene):
+    whole = flown(scene, "cuda", 500, slots=65_536)
+    parts = flown(scene, "cuda", 500, slots=37, passes=101)
+
+    for name in ("fate", "time", "position", "spin", "counts", "measures"):
+        assert np.array_equal(getattr(whole, name), getattr(parts, name)), name
+    assert np.array_equal(whole.visits.cell, parts.visits.cell)
+    assert np.array_equal(whole.visits.energy, parts.visits.energy)
+    assert np.array_equal(whole.crossings.time, parts.crossings.time)
+
+
+@pytest.mark.usefixtures("_device")
+@pytest.mark.parametrize("scene", ["rockfall_tschamut", "rockfall_valley"])
+def test_rockfall_on_cuda_and_cpu_ends_alike(scene):
+    count = 2000
+    ends = [flown(scene, device, count, slots=count) for device in ("cpu", "cuda")]
+    ways = [np.linalg.norm(end.position - end.start, axis=1) for end in ends]
+    every = np.sort(np.concatenate(ways))
+    below = [np.searchsorted(np.sort(way), every, side="right") / count for way in ways]
+
+    assert np.abs(below[0] - below[1]).max() < 1.95 * np.sqrt(2.0 / count)  # p = .001
+    rests = [np.mean(end.fate == Fate.REST) for end in ends]
+    assert rests[0] == pytest.approx(rests[1], abs=0.05)

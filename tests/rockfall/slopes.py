@@ -1,4 +1,8 @@
-"""Small sites and rocks, made by hand."""
+"""Small sites and rocks, made by hand.
+
+All sites have the same things on them, out of reach where a test has no use for them, so that one
+compiled kernel serves nearly every test; ``bare`` has nothing.
+"""
 
 import itertools
 from dataclasses import replace
@@ -7,7 +11,8 @@ import numpy as np
 
 from warpdem.rockfall.flights import Method, Starts
 from warpdem.rockfall.rock import Rock
-from warpdem.rockfall.site import Grid, Ground, GroundClass, Site
+from warpdem.rockfall.site import Barrier, Grid, Ground, GroundClass, Site, Stand, Trees
+from warpdem.rockfall.trajectories import Trajectories
 
 G = 9.81
 REACH_CELLS = 2
@@ -42,10 +47,17 @@ def law(mu, **more):
     )
 
 
-def site_on(ground, kind, **more):
+AWAY = 1e5
+FAR_LINE = Barrier("far", np.array([[AWAY, AWAY], [AWAY, 2 * AWAY]]), np.inf, 0.0)
+FAR_TRUNK = Trees(np.array([[AWAY, AWAY]]), np.array([0.2]), np.array([9.0]), np.array([0.5]))
+NOWHERE = law(0.5, scar_modulus=500.0)
+"""A class of ground of which there is none."""
+
+
+def bare(ground, kind):
     """A site with one class of ground, results in the ground's own cells."""
     grid = ground.grid
-    base = Site(
+    return Site(
         origin=np.zeros(3),
         crs="",
         ground=ground,
@@ -57,7 +69,24 @@ def site_on(ground, kind, **more):
         barriers=(),
         results=grid,
     )
-    return replace(base, **more)
+
+
+def site_on(ground, kind, **more):
+    """The same with a barrier, a trunk, a forest and soft soil, out of reach or as given."""
+    site = bare(ground, kind)
+    far = {
+        "classes": (kind, NOWHERE),
+        "stands": (Stand(1.0, 1.0),),
+        "stand_of": np.full(site.class_of.shape, -1, np.int32),
+        "trees": FAR_TRUNK,
+        "barriers": (FAR_LINE,),
+    }
+    return replace(site, **(far | more))
+
+
+def flyer(site, rocks, method, **how):
+    """Trajectories of rocks, one kind more among them that is round."""
+    return Trajectories(site, [*rocks, ball()], method, **how)
 
 
 def ball(radius=0.5, mass=100.0):

@@ -112,7 +112,7 @@ def test_check_marks_unverified_classes(scene):
     assert "UNVERIFIED" in soft
     assert "53.3 %" in soft
     assert report.warnings[0].startswith("UNVERIFIED")
-    assert "none of its points lies on the terrain" in report.warnings[1]
+    assert "no part of it lies on the terrain" in report.warnings[1]
 
 
 def test_check_estimates_time_memory_and_files(scene):
@@ -160,9 +160,19 @@ def test_check_tells_what_has_no_effect(scene):
 
 
 def test_check_misses_what_a_format_needs(scene, monkeypatch):
-    monkeypatch.setattr("warpdem.checks.rockfall.find_spec", lambda name: None)
+    monkeypatch.setattr("warpdem.rockfall.prepare.find_spec", lambda name: None)
     changed = load(scene.source, ['output.formats=["tif"]'])
     assert "pip install 'warpdem[geo]'" in str(check(changed).problems[-1])
+
+
+def test_a_barrier_from_edge_to_edge_lies_on_the_terrain(scene):
+    across = f"barrier.0.line=[[{EAST + 5}, {NORTH - 3}], [{EAST + 5}, {NORTH + 20}]]"
+    assert not any("barrier" in text for text in check(load(scene.source, [across])).warnings)
+
+
+def test_check_tells_which_wanted_trajectories_there_are_not(scene):
+    report = check(load(scene.source, ["output.trajectories=[3, 1000]"]))
+    assert "there is no trajectory 1000; they are numbered from 0 to 999" in report.warnings[-1]
 
 
 def test_the_command_prints_the_report_and_fails_on_problems(scene, capsys, monkeypatch):

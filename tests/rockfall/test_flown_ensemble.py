@@ -5,6 +5,7 @@ import os
 import numpy as np
 import pytest
 
+from warpdem.errors import SceneError
 from warpdem.input import decode
 from warpdem.rockfall.share import Shard, Share
 from warpdem.running import runner
@@ -24,6 +25,8 @@ line = [[20.0, 40.0], [40.0, 40.0]]
 height = 0.5
 velocity = [0.0, -3.0, 0.0]
 """
+
+BEYOND = '{rocks = ["block"], kind = "area", polygon = [[20.0, 40.0], [400.0, 40.0], [20.0, 50.0]]}'
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +61,21 @@ def test_results_depend_on_neither_threads_nor_chunks_nor_shards(folder):
         share = Share(Shard(number, 2))
         assert run(folder, "shards", "ensemble.chunk=4", threads=1, share=share) == 0
     assert results(folder / "shards") == whole
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        (f"release=[{BEYOND}]", "keep the area on the terrain"),
+        ('output.formats=["tif"]', r"pip install 'warpdem\[geo\]'"),
+    ],
+)
+def test_a_scene_that_cannot_be_flown_leaves_older_results(folder, monkeypatch, wrong, told):
+    monkeypatch.setattr("warpdem.rockfall.prepare.find_spec", lambda name: None)
+    before = results(folder / "whole")
+    with pytest.raises(SceneError, match=told):
+        run(folder, "whole", wrong, threads=1, force=True)
+    assert results(folder / "whole") == before
 
 
 def test_a_lost_chunk_comes_back_as_it_was(folder):

@@ -9,9 +9,11 @@ import pytest
 from slopes import (
     G,
     ball,
+    bare,
     box,
     box_skin,
     fixed_step,
+    flyer,
     ground_of,
     law,
     plane,
@@ -48,7 +50,7 @@ def tumbling(count=24, seed=1):
 
 
 def flown(site, rocks, method, begin, **how):
-    return Trajectories(site, rocks, method, **how).fly(begin)
+    return flyer(site, rocks, method, **how).fly(begin)
 
 
 def rows(record):
@@ -119,10 +121,16 @@ def test_unconverged_steps_are_rare_and_counted(bundle):
     assert counts["limited"] <= counts["unconverged"]
 
 
+def test_what_no_rock_comes_near_changes_nothing(bundle):
+    _, rocks, method, begin, whole = bundle
+
+    assert_same(Trajectories(bare(waves(), HARD), rocks, method).fly(begin), whole)
+
+
 def test_following_a_rock_ends_where_it_fell(bundle):
     site, rocks, method, begin, whole = bundle
     one = type(begin)(**{k: v[:1] for k, v in rows(begin).items()})
-    way = Trajectories(site, rocks, method).follow(one, 0.05)[0]
+    way = flyer(site, rocks, method).follow(one, 0.05)[0]
 
     assert np.array_equal(way.position[-1], whole.position[0])
     assert way.time[-1] == whole.time[0]
@@ -260,7 +268,7 @@ def test_rock_sinks_into_the_scarring_layer_by_lus_formula():
     depth = 0.1 * 780.0 ** (1 / 3) * 500.0**-0.4 * speed**0.8
     begin = starts([[0, 0, 5.6 + 5e-4]])
     method = fixed_step(1e-4, 1.4, skip="none")
-    way = Trajectories(site_on(plane(), soil), [ball(0.6, 780.0)], method).follow(begin, 0.0)[0]
+    way = flyer(site_on(plane(), soil), [ball(0.6, 780.0)], method).follow(begin, 0.0)[0]
 
     assert 0.6 - way.position[:, 2].min() == pytest.approx(depth, rel=0.01)
 
@@ -272,7 +280,7 @@ def test_soil_slows_a_rock_before_it_meets_the_hard_ground():
     speeds = []
     for drag in (-1.0, 2.0):
         soil = law(0.5, scar_modulus=200.0, scar_drag=drag)
-        way = Trajectories(site_on(plane(), soil), [box((1, 1, 1), 900.0)], method)
+        way = flyer(site_on(plane(), soil), [box((1, 1, 1), 900.0)], method)
         way = way.follow(begin, 0.0)[0]
         below = way.position[:, 2] < 0.5 - 0.1
         speeds.append(-way.velocity[below, 2][0])
@@ -368,4 +376,4 @@ def test_bundle_is_given_up_when_asked(bundle):
     site, rocks, method, begin, _ = bundle
 
     with pytest.raises(Stopped):
-        Trajectories(site, rocks, method, passes=10).fly(begin, stop=lambda: True)
+        flyer(site, rocks, method, passes=10).fly(begin, stop=lambda: True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +16,9 @@ from warpdem.checks.rockfall_report import (
 from warpdem.errors import SceneError
 from warpdem.input.decode import problem_at
 from warpdem.rockfall.classes import UNVERIFIED
-from warpdem.rockfall.prepare import method_of, site_of
+from warpdem.rockfall.finish import chosen_ids
+from warpdem.rockfall.nearby import cells_near
+from warpdem.rockfall.prepare import lacking_formats, method_of, site_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -57,7 +58,7 @@ def check_rockfall(scene: Scene) -> RockfallReport:
     site = site_of(scene)
     rocks, count, starts, problems = _flights(scene, site)
     problems += _misplaced(scene, site, starts) if starts else []
-    problems += _lacking(scene)
+    problems += lacking_formats(scene)
     cells = site.results.rows * site.results.columns
     ground = site.ground.grid
     size = ground.rows * ground.columns
@@ -75,7 +76,7 @@ def check_rockfall(scene: Scene) -> RockfallReport:
         disk=RASTERS * cells * sum(FILE_BYTES[one] for one in scene.output.formats)
         if scene.output.rasters
         else 0,
-        warnings=tuple(_warnings(scene, site)),
+        warnings=(*_warnings(scene, site), *_undrawn(scene, count)),
         problems=tuple(problems),
     )
 
@@ -103,14 +104,6 @@ def _flights(
         return rocks, count, releases.starts(np.arange(min(count, SAMPLE))), []
     except SceneError as error:
         return rocks, count, None, list(error.problems)
-
-
-def _lacking(scene: Scene) -> list[Problem]:
-    """Formats that cannot be written here."""
-    if not scene.output.rasters or "tif" not in scene.output.formats or find_spec("rasterio"):
-        return []
-    rule = "\"tif\" needs rasterio: pip install 'warpdem[geo]', or leave it out"
-    return [problem_at(scene, ("output", "formats"), rule)]
 
 
 def _misplaced(scene: Scene, site: Site, starts: Starts) -> list[Problem]:
@@ -172,8 +165,17 @@ def _warnings(scene: Scene, site: Site) -> Iterator[str]:
             f"output.cellsize = {site.results.cell:g} is finer than the terrain's {grid.cell:g} m: "
             "the results show no more than that"
         )
-    low = np.array([grid.x, grid.y])
-    high = low + grid.cell * np.array([grid.columns, grid.rows])
     for barrier in site.barriers:
-        if not ((barrier.line >= low) & (barrier.line <= high)).all(axis=1).any():
-            yield f'barrier "{barrier.name}": none of its points lies on the terrain'
+        pieces = np.stack([barrier.line[:-1], barrier.line[1:]], axis=1)
+        if not any(len(cells_near(grid, piece, 0.0)) for piece in pieces):
+            yield f'barrier "{barrier.name}": no part of it lies on the terrain'
+
+
+def _undrawn(scene: Scene, count: int) -> Iterator[str]:
+    """Trajectories that are wanted as lines and that there are not."""
+    wanted = scene.output.trajectories
+    if not isinstance(wanted, int) and (beyond := set(wanted) - set(chosen_ids(wanted, count))):
+        yield (
+            f"output.trajectories: there is no trajectory {', '.join(map(str, sorted(beyond)))}; "
+            f"they are numbered from 0 to {count - 1}"
+        )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from math import ceil
 from typing import TYPE_CHECKING
 
@@ -126,3 +127,11 @@ def terrain_body(scene: Scene) -> tuple[Body, TerrainShape]:
     """The body of a scene without [terrain] that is its ground; the rules say there is one."""
     shapes = {shape.name: shape for shape in scene.shape if isinstance(shape, TerrainShape)}
     return next((body, shapes[body.shape]) for body in scene.body if body.shape in shapes)
+
+
+def lacking_formats(scene: Scene) -> list[Problem]:
+    """Formats of results that cannot be written here."""
+    if not scene.output.rasters or "tif" not in scene.output.formats or find_spec("rasterio"):
+        return []
+    rule = "\"tif\" needs rasterio: pip install 'warpdem[geo]', or leave it out"
+    return [problem_at(scene, ("output", "formats"), rule)]

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
 from warpdem import __version__
+from warpdem.errors import SceneError
 from warpdem.rockfall.chunks import Chunk, encode
 
 if TYPE_CHECKING:
@@ -18,6 +21,9 @@ if TYPE_CHECKING:
     from warpdem.rockfall.flights import Flights, Method, Starts
     from warpdem.rockfall.rock import Rock
     from warpdem.rockfall.site import Site
+
+TRIED = 10_000
+"""Trajectories whose starts are tried before the first one is flown."""
 
 SLOTS, CUDA_SLOTS = 128, 65_536
 """Rocks in flight at a time on a host thread, and on a CUDA device."""
@@ -127,15 +133,22 @@ def prepared(scene: Scene, device: str, fingerprint: str) -> Prepared:
         fingerprint: Of the scene.
 
     Raises:
-        WarpdemError: A file cannot be read, or the scene cannot be built.
+        WarpdemError: A file cannot be read, the scene cannot be built, a rock would start where
+            there is no ground, or a format of the results cannot be written here.
     """
     from warpdem.rockfall.bodies import Bodies  # noqa: PLC0415 - only to run
-    from warpdem.rockfall.prepare import method_of, site_of  # noqa: PLC0415 - the same
+    from warpdem.rockfall.prepare import (  # noqa: PLC0415 - the same
+        lacking_formats,
+        method_of,
+        site_of,
+    )
     from warpdem.rockfall.releases import Releases  # noqa: PLC0415 - the same
     from warpdem.rockfall.rocks import rocks_of  # noqa: PLC0415 - the same
     from warpdem.rockfall.tally import Tally  # noqa: PLC0415 - the same
     from warpdem.rockfall.trajectories import Trajectories  # noqa: PLC0415 - loads Warp
 
+    if problems := lacking_formats(scene):
+        raise SceneError(str(scene.source or "scene"), problems)
     site = site_of(scene)
     if scene.release:
         rocks = rocks_of(scene)
@@ -143,5 +156,6 @@ def prepared(scene: Scene, device: str, fingerprint: str) -> Prepared:
     else:
         releases = Bodies(scene, site)
         rocks = releases.rocks
+    releases.starts(np.arange(min(releases.count, TRIED)))  # before older results are replaced
     work = Work(site, rocks, method_of(scene), device, fingerprint, Trajectories, Tally.of)
     return Prepared(work, releases)
