@@ -32,8 +32,8 @@ def _forest(axes: Any, site: Site, inside: np.ndarray) -> None:
     share = np.pad(inside, 1).astype(float)
     x = site.origin[0] + grid.x + grid.cell * (np.arange(grid.columns + 2) - 0.5)
     y = site.origin[1] + grid.y + grid.cell * (np.arange(grid.rows + 2) - 0.5)
-    dots = axes.contourf(x, y, share, [0.5, 1.5], colors="none", hatches=["..."], zorder=3)
-    dots.set(edgecolor=_FOREST, linewidth=0.0, alpha=0.45)
+    dots = axes.contourf(x, y, share, [0.5, 1.5], colors="none", hatches=[".."], zorder=3)
+    dots.set(facecolor="none", edgecolor=(_FOREST, 0.6), linewidth=0.0)
     axes.contour(x, y, share, [0.5], colors=_FOREST, linewidths=1.0, zorder=3)
     axes.plot([], [], color=_FOREST, linewidth=1.0, label="forest")
 

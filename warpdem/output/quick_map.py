@@ -246,7 +246,7 @@ def _headings(figure: Any, site: Site, tally: Tally, title: str, deposits: int) 
         found |= dict(zip(labels, handles, strict=True))
     if found:
         legend = figure.legend(
-            found.values(), found.keys(), loc="outside lower center", ncols=6, fontsize=_SMALL,
+            found.values(), found.keys(), loc="outside lower center", ncols=7, fontsize=_SMALL,
             frameon=False,
         )  # fmt: skip
         for handle in legend.legend_handles:
