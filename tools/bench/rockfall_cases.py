@@ -1,19 +1,20 @@
-"""What the rockfall benches share: sites of nodes, hulls, starts on the ground, statistics."""
+"""What the rockfall benches share: rasters changed, sites of one class, starts, statistics."""
 
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
-from itertools import combinations, pairwise, product
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from warpdem.geometry.orientation import matrix
-from warpdem.geometry.terrain import read_raster
+from warpdem.geometry.terrain import Raster, raster_of
 from warpdem.rockfall.flights import Starts
-from warpdem.rockfall.rock import Rock
-from warpdem.rockfall.site import Grid, Ground, GroundClass, Site
+from warpdem.rockfall.heights import origin_of, raster_ground
+from warpdem.rockfall.rocks import rock_of
+from warpdem.rockfall.site import Site
+from warpdem.rockfall.solids import hulled
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,9 +22,13 @@ if TYPE_CHECKING:
 
     from warpdem.arrays import FloatArray, IntArray
     from warpdem.rockfall.flights import Flights, Method
+    from warpdem.rockfall.rock import Rock
+    from warpdem.rockfall.site import GroundClass
     from warpdem.rockfall.trajectories import Sample
 
 G = 9.81
+SLOTS = 512
+"""Rocks followed at once: reading them back costs little then."""
 
 
 def table(path: Path) -> list[dict[str, str]]:
@@ -37,137 +42,59 @@ def numbers(rows: Sequence[dict[str, str]], *columns: str) -> FloatArray:
     return np.array([[float(row[column] or "nan") for column in columns] for row in rows])
 
 
-@dataclass(frozen=True, eq=False)
-class Nodes:
-    """Heights at the nodes of a square grid; row 0 lies in the south.
-
-    Attributes:
-        x, y: Of the first node [m].
-        cell: [m].
-        heights: [m], shape [row_count, column_count].
-    """
-
-    x: float
-    y: float
-    cell: float
-    heights: FloatArray
-
-    def moved(self, origin: FloatArray) -> Nodes:
-        """In coordinates that begin at ``origin``."""
-        return Nodes(self.x - origin[0], self.y - origin[1], self.cell, self.heights - origin[2])
-
-    def extended(self, width: float) -> Nodes:
-        """Continued on all sides, mirrored through the border's points so that slopes go on."""
-        count = int(np.ceil(width / self.cell))
-        heights = np.pad(self.heights, count, mode="reflect", reflect_type="odd")
-        return Nodes(self.x - count * self.cell, self.y - count * self.cell, self.cell, heights)
-
-    def refined(self, cell: float) -> Nodes:
-        """The same bilinear surface with nodes closer together, at a divisor of ``cell``."""
-        rows, columns = self.heights.shape
-        count = round(self.cell / cell)
-        v = np.arange((rows - 1) * count + 1) / count
-        u = np.arange((columns - 1) * count + 1) / count
-        by_row = np.array([np.interp(u, np.arange(columns), row) for row in self.heights])
-        fine = np.array([np.interp(v, np.arange(rows), column) for column in by_row.T]).T
-        return Nodes(self.x, self.y, self.cell / count, fine)
-
-    def rough(self, deviation: float, seed: int) -> Nodes:
-        """With independent normal noise at each node [m]."""
-        noise = np.random.default_rng(seed).normal(scale=deviation, size=self.heights.shape)
-        return Nodes(self.x, self.y, self.cell, self.heights + noise)
-
-    def coarsened(self, count: int) -> Nodes:
-        """Means of count x count nodes, at their middles."""
-        rows, columns = (size // count for size in self.heights.shape)
-        blocks = self.heights[: rows * count, : columns * count]
-        heights = blocks.reshape(rows, count, columns, count).mean(axis=(1, 3))
-        shift = 0.5 * (count - 1) * self.cell
-        return Nodes(self.x + shift, self.y + shift, self.cell * count, heights)
-
-    def at(self, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Height of the bilinear surface, NaN beside it [m]."""
-        u = (np.asarray(x) - self.x) / self.cell
-        v = (np.asarray(y) - self.y) / self.cell
-        rows, columns = self.heights.shape
-        inside = (u >= 0) & (u <= columns - 1) & (v >= 0) & (v <= rows - 1)
-        i = np.clip(np.where(inside, u, 0).astype(int), 0, columns - 2)
-        j = np.clip(np.where(inside, v, 0).astype(int), 0, rows - 2)
-        u, v, z = u - i, v - j, self.heights
-        low = z[j, i] * (1 - u) + z[j, i + 1] * u
-        high = z[j + 1, i] * (1 - u) + z[j + 1, i + 1] * u
-        return np.where(inside, low * (1 - v) + high * v, np.nan)
+def extended(raster: Raster, width: float) -> Raster:
+    """Continued on all sides, mirrored through the border's points so that slopes go on."""
+    count = int(np.ceil(width / raster.cell))
+    heights = np.pad(raster.heights, count, mode="reflect", reflect_type="odd")
+    shift = count * raster.cell
+    return raster_of(heights, raster.x[0] - shift, raster.y[-1] - shift, raster.cell)
 
 
-def nodes_of(path: Path, *, centres: bool) -> Nodes:
-    """Of an ESRI ASCII grid; its heights lie at cell centres, or at xllcorner, yllcorner on."""
-    raster = read_raster(path)
-    cell = raster.x[1] - raster.x[0]
-    shift = 0.5 * cell if centres else 0.0
-    return Nodes(raster.x[0] + shift, raster.y[-1] + shift, cell, raster.heights[::-1])
+def refined(raster: Raster, count: int) -> Raster:
+    """The same bilinear surface with nodes ``count`` times as close."""
+    rows, columns = raster.heights.shape
+    v = np.arange((rows - 1) * count + 1) / count
+    u = np.arange((columns - 1) * count + 1) / count
+    by_row = np.array([np.interp(u, np.arange(columns), row) for row in raster.heights])
+    fine = np.array([np.interp(v, np.arange(rows), column) for column in by_row.T]).T
+    return raster_of(fine, raster.x[0], raster.y[-1], raster.cell / count)
 
 
-def plane(slope: float, *, length: float, width: float, cell: float = 1.0) -> Nodes:
-    """A plane that falls towards +x by ``slope`` degrees, through the origin near its upper end."""
-    x = np.arange(-10.0, length + cell, cell)
-    heights = np.tile(-np.tan(np.radians(slope)) * x, (int(2 * width / cell) + 1, 1))
-    return Nodes(-10.0, -width, cell, heights)
+def roughened(raster: Raster, deviation: float, seed: int) -> Raster:
+    """With independent normal noise at each node [m]."""
+    noise = np.random.default_rng(seed).normal(scale=deviation, size=raster.heights.shape)
+    return raster_of(raster.heights + noise, raster.x[0], raster.y[-1], raster.cell)
 
 
-def steepest(nodes: Nodes, reach: float) -> FloatArray:
-    """Largest slope within ``reach`` of each cell, shape [rows, columns]."""
-    z = nodes.heights
-    along_x = np.abs(np.diff(z, axis=1)) / nodes.cell
-    along_y = np.abs(np.diff(z, axis=0)) / nodes.cell
-    slope = np.hypot(
-        np.maximum(along_x[:-1], along_x[1:]), np.maximum(along_y[:, :-1], along_y[:, 1:])
+def coarsened(raster: Raster, count: int) -> Raster:
+    """Means of count x count nodes, at their middles, from the south-west corner on."""
+    rows, columns = (size // count for size in raster.heights.shape)
+    blocks = raster.heights[::-1][: rows * count, : columns * count]
+    means = blocks.reshape(rows, count, columns, count).mean(axis=(1, 3))
+    shift = 0.5 * (count - 1) * raster.cell
+    west, south = raster.x[0] + shift, raster.y[-1] + shift
+    return raster_of(means[::-1], west, south, raster.cell * count)
+
+
+def slope(profile: FloatArray, west: float, *, width: float, cell: float) -> Raster:
+    """Heights along x from ``west`` on, the same for all y within ``width`` of 0."""
+    count = int(2 * width / cell) + 1
+    return raster_of(np.tile(profile, (count, 1)), west, -width, cell)
+
+
+def site_of(raster: Raster, ground_class: GroundClass) -> Site:
+    """A site of one class."""
+    origin = origin_of(raster.x, raster.y, raster.heights)
+    ground = raster_ground(raster, origin)
+    nothing = np.zeros(ground.known.shape, np.int32)
+    return Site(
+        origin, "", ground, (ground_class,), nothing, (), None, None, (), results=ground.grid
     )
-    for axis in (0, 1):
-        count = int(np.ceil(reach / nodes.cell))
-        padded = np.pad(slope, [(count, count) if i == axis else (0, 0) for i in (0, 1)])
-        windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * count + 1, axis)
-        slope = windows.max(axis=-1)
-    return slope
 
 
-def site_of(nodes: Nodes, ground_class: GroundClass, *, reach: float) -> tuple[Site, FloatArray]:
-    """A site of one class; and its origin, to be taken from national coordinates, shape [3].
-
-    Args:
-        nodes: The ground.
-        ground_class: Of all of it.
-        reach: Distance within which slopes are bounded [m]; of a rock's size at least.
-    """
-    rows, columns = nodes.heights.shape
-    origin = np.array([np.floor(nodes.x), np.floor(nodes.y), np.floor(np.nanmin(nodes.heights))])
-    shape = (rows - 1, columns - 1)
-    grid = Grid(nodes.x - origin[0], nodes.y - origin[1], nodes.cell, *shape)
-    ground = Ground(
-        grid=grid,
-        heights=nodes.heights - origin[2],
-        facets=None,
-        known=np.ones(shape, bool),
-        steep=steepest(nodes, reach),
-        reach=reach,
-    )
-    site = Site(
-        origin=origin,
-        crs="",
-        ground=ground,
-        classes=(ground_class,),
-        class_of=np.zeros(shape, np.int32),
-        stands=(),
-        stand_of=None,
-        trees=None,
-        barriers=(),
-        results=grid,
-    )
-    return site, origin
-
-
-def box(size: Sequence[float]) -> FloatArray:
-    """Corners of a box, shape [8, 3]."""
-    return np.array(list(product((-0.5, 0.5), repeat=3))) * np.asarray(size)
+def height(site: Site, x: FloatArray, y: FloatArray) -> FloatArray:
+    """Of the ground at national coordinates, NaN beside it [m]."""
+    return site.ground.height(x - site.origin[0], y - site.origin[1]) + site.origin[2]
 
 
 def chamfered_box(size: Sequence[float]) -> FloatArray:
@@ -177,57 +104,10 @@ def chamfered_box(size: Sequence[float]) -> FloatArray:
     return np.concatenate([corners * along for along in outward]) * np.asarray(size)
 
 
-def convex_rock(name: str, points: FloatArray, mass: float) -> Rock:
-    """The hull of points whose axes are principal, such as boxes; moved to its centre of mass.
-
-    Args:
-        name: Of the rock.
-        points: All of them corners of the hull, shape [point_count, 3].
-        mass: [kg].
-    """
-    loops = hull_faces(points)
-    triangles = np.array([[loop[0], b, c] for loop in loops for b, c in pairwise(loop[1:])])
-    sides = np.array([side for loop in loops for side in pairwise([*loop, loop[0]])])
-    volume, centre, second = solid(points[triangles])
-    covariance = second / volume - np.outer(centre, centre)
-    inertia = mass * (np.trace(covariance) - np.diag(covariance))
-    corners = points - centre
-    edges = np.unique(np.sort(sides, axis=1), axis=0)
-    return Rock(name, corners, 0.0, edges, mass, inertia, corners, triangles)
-
-
-def hull_faces(points: FloatArray) -> list[list[int]]:
-    """Corners of each face of a hull, counter-clockwise from outside; of few points.
-
-    Each plane through three points with all others on one side is a face.
-    """
-    middle = points.mean(axis=0)
-    near = 1e-9 * np.ptp(points, axis=0).max()
-    faces: dict[frozenset[int], list[int]] = {}
-    for a, b, c in combinations(range(len(points)), 3):
-        normal = np.cross(points[b] - points[a], points[c] - points[a])
-        outward = normal @ (points[a] - middle)
-        if abs(outward) < near**3:  # no plane, or one through the middle
-            continue
-        normal *= np.sign(outward) / np.linalg.norm(normal)
-        above = (points - points[a]) @ normal
-        if above.max() > near:
-            continue
-        face = np.flatnonzero(above > -near)
-        first = points[face[0]] - points[face].mean(axis=0)
-        out = points[face] - points[face].mean(axis=0)
-        angle = np.arctan2(out @ np.cross(normal, first), out @ first)
-        faces[frozenset(face.tolist())] = face[np.argsort(angle)].tolist()
-    return list(faces.values())
-
-
-def solid(triangles: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """Volume, centre and second moment of what outward triangles [n, 3, 3] enclose."""
-    volume = np.linalg.det(triangles) / 6.0
-    total = triangles.sum(axis=1)
-    second = np.einsum("n,ni,nj->ij", volume, total, total)
-    second += np.einsum("n,nki,nkj->ij", volume, triangles, triangles)
-    return volume.sum(), volume @ total / (4.0 * volume.sum()), second / 20.0
+def hull_rock(name: str, points: FloatArray, mass: float) -> Rock:
+    """The hull of points as a rock of some mass [kg]."""
+    solid, _ = hulled(points, name=name, rounding=0.0)
+    return rock_of(solid, name, mass)
 
 
 def random_orientations(count: int, seed: int) -> FloatArray:
@@ -236,34 +116,12 @@ def random_orientations(count: int, seed: int) -> FloatArray:
     return drawn / np.linalg.norm(drawn, axis=1, keepdims=True)
 
 
-def clear_heights(
-    nodes: Nodes, rock: Rock, place: FloatArray, orientation: FloatArray, clearance: float
-) -> FloatArray:
-    """Heights of the centre at which the nearest vertex is ``clearance`` above the ground [m].
-
-    Args:
-        nodes: The ground.
-        rock: Of all starts.
-        place: x, y of the centres, shape [n, 2].
-        orientation: Of the rock, shape [n, 4].
-        clearance: Vertical [m].
-    """
-    arm = np.einsum("nij,vj->nvi", matrix(orientation), rock.vertices)
-    under = nodes.at(place[:, None, 0] + arm[..., 0], place[:, None, 1] + arm[..., 1])
-    return np.nanmax(under - arm[..., 2], axis=1) + clearance + rock.rounding
-
-
-def depths(nodes: Nodes, rock: Rock, trace: Sample) -> FloatArray:
-    """Vertical depth of the lowest vertex below the ground at each sample, negative above [m].
-
-    Args:
-        nodes: The ground.
-        rock: That of the trace.
-        trace: In the coordinates of the nodes.
-    """
+def depths(site: Site, rock: Rock, trace: Sample) -> FloatArray:
+    """Vertical depth of the lowest vertex below the ground at each sample, negative above [m]."""
     corner = np.einsum("nij,vj->nvi", matrix(trace.orientation), rock.vertices)
     corner += trace.position[:, None]
-    return (nodes.at(corner[..., 0], corner[..., 1]) - corner[..., 2]).max(axis=1)
+    under = site.ground.height(corner[..., 0], corner[..., 1])
+    return (under - corner[..., 2]).max(axis=1)
 
 
 def starts_of(
@@ -271,16 +129,15 @@ def starts_of(
     orientation: FloatArray,
     velocity: FloatArray,
     spin: FloatArray,
-    *,
-    rock: IntArray,
-    release: IntArray,
+    rock: IntArray | None = None,
 ) -> Starts:
-    """Starts numbered from 0; arrays as of ``Starts``, positions local."""
+    """Starts numbered from 0; arrays as of ``Starts`` or one row for all, positions local."""
     count = len(position)
+    numbers_of_rocks = np.zeros(count) if rock is None else rock
     return Starts(
         np.arange(count),
-        release.astype(np.int32),
-        rock.astype(np.int32),
+        np.zeros(count, np.int32),
+        numbers_of_rocks.astype(np.int32),
         position,
         orientation,
         np.broadcast_to(velocity, (count, 3)).copy(),
@@ -292,7 +149,7 @@ def fly(site: Site, rocks: Sequence[Rock], method: Method, starts: Starts) -> Fl
     """Trajectories to their ends."""
     from warpdem.rockfall.trajectories import Trajectories  # noqa: PLC0415 - compiles kernels
 
-    return Trajectories(site, tuple(rocks), method, device="cpu").fly(starts)
+    return Trajectories(site, rocks, method, visits=False).fly(starts)
 
 
 def follow(
@@ -301,27 +158,40 @@ def follow(
     """Trajectories sampled each ``every`` seconds."""
     from warpdem.rockfall.trajectories import Trajectories  # noqa: PLC0415 - compiles kernels
 
-    return Trajectories(site, tuple(rocks), method, device="cpu").follow(starts, every)
+    return Trajectories(site, rocks, method, slots=SLOTS, visits=False).follow(starts, every)
 
 
-def kolmogorov_smirnov(first: FloatArray, second: FloatArray) -> tuple[float, float]:
-    """Largest distance of two empirical distributions, and the probability of a larger one.
-
-    The latter is the asymptotic one with the correction for small samples; Stephens (1970),
-    doi:10.1111/j.2517-6161.1970.tb00821.x: within .01 from some ten values a sample on.
-    """
+def kolmogorov_smirnov(first: FloatArray, second: FloatArray) -> float:
+    """Largest distance of two empirical distributions."""
     a, b = np.sort(first), np.sort(second)
     everywhere = np.concatenate([a, b])
     share_a = np.searchsorted(a, everywhere, side="right") / len(a)
     share_b = np.searchsorted(b, everywhere, side="right") / len(b)
-    distance = float(np.abs(share_a - share_b).max())
-    root = np.sqrt(len(a) * len(b) / (len(a) + len(b)))
-    scaled = (root + 0.12 + 0.11 / root) * distance
-    if scaled < 0.2:  # the series alternates without end; the sum is 1 within 1e-10
-        return distance, 1.0
-    k = np.arange(1, 101)
-    tail = 2.0 * float(((-1.0) ** (k - 1) * np.exp(-2.0 * (k * scaled) ** 2)).sum())
-    return distance, min(max(tail, 0.0), 1.0)
+    return float(np.abs(share_a - share_b).max())
+
+
+def chance_within(groups: Sequence[FloatArray], observed: FloatArray, draws: int = 999) -> float:
+    """Probability of a Kolmogorov-Smirnov distance no smaller, by permutation within groups.
+
+    The hypothesis is that each observed value is one like the simulated ones of its group. In each
+    draw one of the group, the observed value included, takes the part of the observed one. Values
+    of different groups may have different distributions.
+
+    Args:
+        groups: Simulated values of each observation; may be empty.
+        observed: One value a group, shape [group_count].
+        draws: Whose share is returned; none is less than 1 / (draws + 1).
+    """
+    pools = [np.append(group, seen) for group, seen in zip(groups, observed, strict=True)]
+    first = np.cumsum([0, *(len(pool) for pool in pools)])
+    pooled = np.concatenate(pools)
+    own = first[1:] - 1
+    distance = kolmogorov_smirnov(np.delete(pooled, own), pooled[own]) - 1e-12
+    random, reached = np.random.default_rng(3), 0
+    for _ in range(draws):
+        picked = random.integers(first[:-1], first[1:])
+        reached += kolmogorov_smirnov(np.delete(pooled, picked), pooled[picked]) >= distance
+    return (1 + reached) / (1 + draws)
 
 
 def band(values: FloatArray) -> str:

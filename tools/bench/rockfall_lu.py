@@ -28,15 +28,22 @@ import rockfall_cases as cases
 
 from warpdem.geometry.orientation import product
 from warpdem.rockfall.classes import PUBLISHED
-from warpdem.rockfall.flights import Method, Starts
+from warpdem.rockfall.flights import Method
+from warpdem.rockfall.settle import resting_height
 
 if TYPE_CHECKING:
+    from warpdem.arrays import FloatArray
+    from warpdem.geometry.terrain import Raster
+    from warpdem.rockfall.flights import Starts
+    from warpdem.rockfall.site import Site
     from warpdem.rockfall.trajectories import Sample
 
-PLATE = cases.convex_rock("plate", cases.chamfered_box([0.93, 0.93, 0.47]), 780.0)
-"""The largest moment is about z: the axis of the wheel."""
+PLATE = cases.hull_rock("plate", cases.chamfered_box([0.93, 0.93, 0.47]), 780.0)
+"""The largest moment is about z of its file's axes: the axis of the wheel."""
 STEP = 2e-3
 """Largest step of the impacts [s], the paper's."""
+EVERY = 0.02
+"""Least time between samples of trajectories [s]."""
 PUBLISHED_MEANS = {
     1: (10.53, 922.9, 1.34, 4.09),
     2: (17.44, 1745.3, 1.95, 9.92),
@@ -114,7 +121,7 @@ def published_depth(mass: float, modulus: float, sinking: float) -> float:
     return 0.1 * mass ** (1 / 3) * modulus**-0.4 * sinking**0.8
 
 
-def legs() -> tuple[np.ndarray, np.ndarray]:
+def legs() -> tuple[FloatArray, FloatArray]:
     """Distance in plan and fall from each scar to the next [m]."""
     way = np.diff([impact.scar for impact in IMPACTS], axis=0)
     return np.hypot(way[:, 0], way[:, 1]), -way[:, 2]
@@ -148,22 +155,17 @@ def hit(number: int, count: int) -> None:
     near = slice(max(number - 1, 0), number + 1)
     slope = np.degrees(np.arctan2(falls[near].sum(), ways[near].sum()))
     soil = replace(PUBLISHED["hard"], scar_modulus=impact.modulus, scar_drag=impact.drag)
-    nodes = cases.plane(slope, length=60.0, width=20.0, cell=0.5)
-    site, origin = cases.site_of(nodes, soil, reach=2.0)
-    local = nodes.moved(origin)
+    x = np.arange(-10.0, 50.0, 0.5)
+    plane = cases.slope(-np.tan(np.radians(slope)) * x, x[0], width=20.0, cell=0.5)
+    site = cases.site_of(plane, soil)
     orientation = rolling(count)
-    place = np.tile(-origin[:2], (count, 1))
-    height = cases.clear_heights(local, PLATE, place, orientation, 0.01)
-    starts = cases.starts_of(
-        np.column_stack([place, height]),
-        orientation,
-        np.array([impact.horizontal, 0.0, -down]),
-        np.array([0.0, impact.spin, 0.0]),
-        rock=np.zeros(count),
-        release=np.zeros(count),
-    )
+    place = np.tile(-site.origin[:2], (count, 1))
+    height = resting_height(site.ground, PLATE, place, orientation, np.full(count, 0.01))
+    velocity = np.array([impact.horizontal, 0.0, -down])
+    spin = np.array([0.0, impact.spin, 0.0])
+    starts = cases.starts_of(np.column_stack([place, height]), orientation, velocity, spin)
     traces = cases.follow(site, [PLATE], Method(duration=1.0, dt=STEP, skip="sphere"), starts, 0.0)
-    found = np.array([scar(local, trace) for trace in traces])
+    found = np.array([scar(site, trace) for trace in traces])
     formula = published_depth(PLATE.mass, impact.modulus, down)
     speed, spin = leaving(number)
     print(
@@ -181,18 +183,19 @@ def hit(number: int, count: int) -> None:
         print(f"  {name:20s} {cases.band(own)} {there:6.2f} {measured:6.2f}{extra}")
 
 
-def rolling(count: int) -> np.ndarray:
+def rolling(count: int) -> FloatArray:
     """Wheels whose axis is y, at random phases: those that roll towards +x; shape [count, 4]."""
     half = np.pi * np.random.default_rng(1).random(count)
     none = np.zeros(count)
     phase = np.column_stack([np.cos(half), none, none, np.sin(half)])
     # about x by a quarter turn backwards: z becomes y
-    return product(np.array([np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0]), phase)
+    upright = product(np.array([np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0]), phase)
+    return product(upright, PLATE.frame_rotation)
 
 
-def scar(nodes: cases.Nodes, trace: Sample) -> tuple[float, float, float, float]:
+def scar(site: Site, trace: Sample) -> tuple[float, float, float, float]:
     """Depth, length along the slope, and speed and spin when the rock has left its first scar."""
-    depth = cases.depths(nodes, PLATE, trace)
+    depth = cases.depths(site, PLATE, trace)
     inside = np.flatnonzero(depth > 0.0)
     first = inside[0]  # it starts 1 cm above the ground
     out = np.flatnonzero(depth[first:] <= 0.0)
@@ -202,7 +205,7 @@ def scar(nodes: cases.Nodes, trace: Sample) -> tuple[float, float, float, float]
     return depth[first:last].max(), float(length), float(speed), float(spin)
 
 
-def profile(cliff: float, cell: float) -> cases.Nodes:
+def profile(cliff: float, cell: float) -> Raster:
     """The equivalent slope, falling towards +x from the release at 0; heights above sea."""
     first = IMPACTS[0].scar
     ways, falls = legs()
@@ -218,32 +221,29 @@ def profile(cliff: float, cell: float) -> cases.Nodes:
     ]
     x = np.arange(points[0][0], points[-1][0], cell)
     heights = np.interp(x, *np.array(points).T)
-    return cases.Nodes(x[0], -100.0, cell, np.tile(heights, (int(200.0 / cell) + 1, 1)))
+    return cases.slope(heights, x[0], width=100.0, cell=cell)
 
 
-def released(nodes: cases.Nodes, origin: np.ndarray, ids: np.ndarray) -> Starts:
+def released(site: Site, count: int) -> Starts:
     """Centres 1 m above ground, 1 m/s downhill, any orientation."""
-    count = len(ids)
-    place = np.tile(np.append([0.0, 0.0], nodes.at(0.0, 0.0) + 1.0) - origin, (count, 1))
-    orientation = cases.random_orientations(int(ids[-1]) + 1, seed=1)[ids]
-    return cases.starts_of(
-        place,
-        orientation,
-        np.array([1.0, 0.0, 0.0]),
-        np.zeros(3),
-        rock=np.zeros(count),
-        release=np.zeros(count),
-    )
+    place = np.append([0.0, 0.0], cases.height(site, np.zeros(1), np.zeros(1)) + 1.0)
+    orientation = cases.random_orientations(count, seed=1)
+    position = np.tile(place - site.origin, (count, 1))
+    return cases.starts_of(position, orientation, np.array([1.0, 0.0, 0.0]), np.zeros(3))
 
 
-def samples(nodes: cases.Nodes, trace: Sample) -> np.ndarray:
-    """Off the ground: height, speed, spin [deg/s], jump height and length, shape [n, 5]."""
-    free = cases.depths(nodes, PLATE, trace) < 0.0
-    ground = nodes.at(*trace.position[:, :2].T)
+def samples(site: Site, trace: Sample) -> FloatArray:
+    """What is seen off the ground, shape [n, 6].
+
+    Columns: time until the next sample, height above sea, speed, spin [deg/s], jump height, length.
+    """
+    free = cases.depths(site, PLATE, trace) < 0.0
+    ground = site.ground.height(*trace.position[:, :2].T)
     under = np.column_stack([trace.position[:, :2], ground])
     left = np.maximum.accumulate(np.where(free, 0, np.arange(len(free))))
     values = (
-        trace.position[:, 2],
+        np.diff(trace.time, append=trace.time[-1]),
+        trace.position[:, 2] + site.origin[2],
         np.linalg.norm(trace.velocity, axis=1),
         np.degrees(np.linalg.norm(trace.spin, axis=1)),
         trace.position[:, 2] - ground,
@@ -252,30 +252,20 @@ def samples(nodes: cases.Nodes, trace: Sample) -> np.ndarray:
     return np.column_stack(values)[free]
 
 
-def descend(cliff: float, rough: float, runs: int, batch: int = 250) -> None:
+def descend(cliff: float, rough: float, runs: int) -> None:
     """Simulate trajectories on the equivalent slope and print their means by region."""
     soil = replace(PUBLISHED["hard"], scar_modulus=15e3, scar_drag=1.5)
-    nodes = profile(cliff, 0.5)
+    raster = profile(cliff, 0.5)
     if rough:
-        nodes = nodes.rough(rough, seed=2)
-    site, origin = cases.site_of(nodes, soil, reach=2.0)
-    local = nodes.moved(origin)
-    total = {region: np.zeros(5) for region in PUBLISHED_MEANS}
-    for first in range(0, runs, batch):
-        ids = np.arange(first, min(first + batch, runs))
-        starts = released(nodes, origin, ids)
-        method = Method(duration=60.0)
-        for trace in cases.follow(site, [PLATE], method, starts, 0.02):
-            values = samples(local, trace)
-            above = values[:, 0] + origin[2]
-            for region, inside in (
-                (1, above >= REGIONS[0]),
-                (2, (above < REGIONS[0]) & (above >= REGIONS[1])),
-            ):
-                total[region][:4] += values[inside, 1:].sum(axis=0)
-                total[region][4] += inside.sum()
+        raster = cases.roughened(raster, rough, seed=2)
+    site = cases.site_of(raster, soil)
+    traces = cases.follow(site, [PLATE], Method(duration=60.0), released(site, runs), EVERY)
+    shown = np.concatenate([samples(site, trace) for trace in traces])
     for region, published in PUBLISHED_MEANS.items():
-        means = total[region][:4] / max(total[region][4], 1.0)
+        inside = np.digitize(shown[:, 1], REGIONS) + 1 == region
+        means = np.full(4, np.nan)
+        if inside.any():
+            means = np.average(shown[inside, 2:], axis=0, weights=shown[inside, 0])
         text = "  ".join(
             f"{own:7.2f} ({there:7.2f})" for own, there in zip(means, published, strict=True)
         )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpdem.output.durable import swap
+from warpdem.output.map_cover import cover, names
 from warpdem.output.relief import Window, relief
 from warpdem.rockfall.hazard import columns, spread
 
@@ -75,7 +76,9 @@ def write_map(
         _ground(axes, site, window)
         values = spread(shown[name], tally, site.results) * _PER_UNIT[name]
         _colours(axes, values, site, label=label, colours=colours)
+        cover(axes, site)
         _barriers(axes, site)
+        names(axes, site, window, _BARRIER)
         axes.set_title(heading, fontsize=_HEADING, color=_INK)
         _frame(axes, site, window)
     _deposits(panels[0], site, deposits[:DOTS])
@@ -233,7 +236,7 @@ def _furniture(axes: Any, site: Site, window: Window) -> None:
 
 def _headings(figure: Any, site: Site, tally: Tally, title: str, deposits: int) -> None:
     """Title above, legend below; entries of the same words are one."""
-    place = f", {site.crs}" if site.crs else ""
+    place = f", {site.crs}, in metres" if site.crs else ", in metres"
     some = f", the first {DOTS:,} deposits drawn" if deposits > DOTS else ""
     counted = f"{tally.trajectories:,} trajectories{some}{place}"
     figure.suptitle(f"{title}\n{counted}", fontsize=_TITLE, color=_INK)
@@ -243,7 +246,7 @@ def _headings(figure: Any, site: Site, tally: Tally, title: str, deposits: int) 
         found |= dict(zip(labels, handles, strict=True))
     if found:
         legend = figure.legend(
-            found.values(), found.keys(), loc="outside lower center", ncols=6, fontsize=_SMALL,
+            found.values(), found.keys(), loc="outside lower center", ncols=7, fontsize=_SMALL,
             frameon=False,
         )  # fmt: skip
         for handle in legend.legend_handles:
