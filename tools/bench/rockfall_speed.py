@@ -26,6 +26,7 @@ import sys
 import time
 from dataclasses import replace
 from functools import partial
+from math import cos, radians, sin
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
@@ -131,8 +132,8 @@ def peer(python: str, rocks: int) -> dict[str, Any] | None:
 
 def sliding(rocks: int, skip: str, duration: float) -> tuple[Trajectories, Starts]:
     """Boxes above flat ground under tilted gravity, and their starts, as the peer has them."""
-    tilt = np.radians(SLOPE)
-    gravity = tuple(9.81 * np.array([np.sin(tilt), 0.0, -np.cos(tilt)]))
+    tilt = radians(SLOPE)
+    gravity = (9.81 * sin(tilt), 0.0, -9.81 * cos(tilt))
     method = fixed_step(DT, duration - 0.5 * DT, gravity=gravity, skip=skip)
     turn = np.random.default_rng(1).normal(size=(rocks, 4))
     turn /= np.linalg.norm(turn, axis=1, keepdims=True)
