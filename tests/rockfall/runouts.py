@@ -1,0 +1,104 @@
+"""A slope that flattens out, and the same rocks on it by the smooth and by the non-smooth method."""
+
+from functools import partial
+from math import atan, cos, radians, sin, tan
+
+import numpy as np
+from grids import write_asc
+
+from warpdem.input.decode import load
+from warpdem.rockfall import task
+from warpdem.simulation import Simulation
+
+STEEP, FOOT, CURVE, LENGTH = tan(radians(35.0)), 10.0, 8.0, 60.0
+"""Slope of the upper part, where it ends, on what length it turns level, where the ground ends."""
+LANE = 5.0
+"""Width of a rock's own strip [m]; wide enough that none meets another."""
+SLAB, BLOCK = (1.0, 0.8, 0.25), (0.6, 0.5, 0.45)
+DENSITY = 2700.0
+
+
+def height(x):
+    """Height of the slope [m]; straight, then a parabola, then level."""
+    x = np.asarray(x, float)
+    left = np.clip(FOOT + CURVE - x, 0.0, CURVE)
+    return np.where(x < FOOT, STEEP * (FOOT - x + 0.5 * CURVE), 0.5 * STEEP * left**2 / CURVE)
+
+
+def sliders(count):
+    """Slabs that lie on the slope and slide down at 0 to 5 m/s: places, turns, velocities."""
+    speed = 5.0 * (np.arange(count) + 0.5) / count
+    down = np.array([cos(atan(STEEP)), 0.0, -sin(atan(STEEP))])
+    up = np.array([-down[2], 0.0, down[0]])
+    foot = np.array([3.0, 0.0, float(height(3.0))])
+    place = np.tile(foot + 0.5 * SLAB[2] * up, (count, 1))
+    half = 0.5 * atan(STEEP)
+    return place, np.tile([cos(half), 0.0, sin(half), 0.0], (count, 1)), speed[:, None] * down
+
+
+def tumblers(count, seed=1):
+    """Blocks in random orientation that are thrown down the slope at 3 m/s."""
+    rng = np.random.default_rng(seed)
+    turn = rng.normal(size=(count, 4))
+    x = rng.uniform(2.0, 4.0, count)
+    place = np.column_stack([x, 0 * x, height(x) + 1.0])
+    turn /= np.linalg.norm(turn, axis=1, keepdims=True)
+    return place, turn, np.tile([3.0, 0.0, -1.0], (count, 1))
+
+
+def written(folder, size, begin, *, mu=0.5, en2=0.04, stiffness=2e6, duration=12.0):
+    """The scene file of rocks side by side, each in its lane; its path."""
+    place, turn, velocity = begin
+    lanes = len(place) * LANE
+    x = np.arange(-5.0, LENGTH)
+    write_asc(folder / "slope.asc", np.tile(height(x), (int(lanes) + 10, 1)), x=-5.0, y=-5.0)
+    bodies = "".join(
+        _body(row, [*at[:1], LANE * (k + 0.5), at[2]], velocity[k])
+        for k, (at, row) in enumerate(zip(place, turn, strict=True))
+    )
+    contact = f"kn = {stiffness}\nkt = {stiffness}\nen2 = {en2}\nmu = {mu}\n"
+    (folder / "slope.toml").write_text(
+        f"[run]\nduration = {duration}\n"
+        '[[shape]]\nkind = "terrain"\nname = "slope"\nfile = "slope.asc"\n'
+        f'[[shape]]\nkind = "box"\nname = "rock"\nsize = {list(size)}\n'
+        f'[[group]]\nname = "rock"\ndensity = {DENSITY}\n'
+        '[[body]]\nshape = "slope"\ngroup = "ground"\nposition = [0.0, 0.0, 0.0]\nfixed = true\n'
+        f'{bodies}[[contact]]\ngroups = ["rock", "ground"]\n{contact}'
+        f'[[contact]]\ngroups = ["rock", "rock"]\n{contact}'
+    )
+    return folder / "slope.toml"
+
+
+def _body(turn, place, velocity):
+    numbers = {"position": place, "orientation": turn, "velocity": velocity}
+    lines = (f"{name} = {[float(v) for v in values]}\n" for name, values in numbers.items())
+    return '[[body]]\nshape = "rock"\ngroup = "rock"\n' + "".join(lines)
+
+
+def smooth_ends(path, **more):
+    """Positions at the end by the smooth method, shape [n, 3], and the largest speed then."""
+    simulation = Simulation(load(path, []), device="cpu", **more)
+    simulation.advance(simulation.scene.run.duration)
+    shot = simulation.snapshot()
+    speed = np.linalg.norm(shot.velocity[1:], axis=1)
+    return shot.position[1:], speed
+
+
+def nonsmooth_ends(path, *overrides):
+    """The trajectories of the same file, their positions in its coordinates."""
+    return flights(path, 'run.method="nonsmooth"', *overrides)
+
+
+def flights(path, *overrides):
+    """Trajectories of a scene, and where the scene's origin of local coordinates lies."""
+    prepared = task.prepared(load(path, list(overrides)), "cpu", "")
+    flyer = partial(prepared.work.make, visits=False)
+    work = prepared.work
+    ids = np.arange(prepared.releases.count)
+    end = flyer(work.site, work.rocks, work.method, device="cpu").fly(prepared.releases.starts(ids))
+    return end, work.site.origin
+
+
+def runouts(end):
+    """Horizontal ways from start to end [m]."""
+    return np.linalg.norm((end.position - end.start)[:, :2], axis=1)
