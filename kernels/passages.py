@@ -22,6 +22,8 @@ from warpdem.kernels.variant import inlined
 
 # a part of a way beyond its end: nothing is met
 NEVER = wp.constant(real(2.0))
+# lines of the grid that one stretch can cross: Rules.travel is 16 cells along each axis
+MOST_BORDERS = wp.constant(34)
 
 
 @wp.struct
@@ -161,8 +163,11 @@ def walk_cells(ground: wp.Function) -> wp.Function:
         terrain: Terrain, grid: ResultGrid, flights: Flights, slot: int, way: Way, visited: Visit
     ) -> Visit:
         visit = visited
+        last = result_cell(grid, way.start + way.along)
         part = real(0.0)
-        while part < real(1.0):
+        borders = int(0)
+        while visit.cell != last and part < real(1.0) and borders < MOST_BORDERS:
+            borders += 1
             border = wp.min(next_border(grid, way, part), real(1.0))
             cell = result_cell(grid, place_on(way, real(0.5) * (part + border)))
             if cell != visit.cell:
@@ -173,7 +178,12 @@ def walk_cells(ground: wp.Function) -> wp.Function:
             visit = larger(visit, values(terrain, way, real(0.5) * (part + border)))
             visit = larger(visit, values(terrain, way, border))
             part = border
-        return visit
+        if visit.cell != last:  # a way so short that rounding hides where it crosses the border
+            leave(flights, slot, visit)
+            visit = Visit()
+            visit.cell = last
+        visit = larger(visit, values(terrain, way, real(0.5) * (part + real(1.0))))
+        return larger(visit, values(terrain, way, real(1.0)))
 
     return walk_cells
 

@@ -169,6 +169,15 @@ def test_no_cell_below_a_parabola_is_left_out(finer):
     assert end.visits.energy == pytest.approx(0.5 * 2.0 * end.visits.speed**2, rel=1e-5)
 
 
+def test_border_is_crossed_by_steps_shorter_than_rounding_shows():
+    # far from the origin a step of 1e-13 m is a few units in the last place
+    begin = starts([[55.0 - 2e-13, 0.5, 0.5]], velocity=[2e-11, 0, 0])
+    end = flown(site_on(plane(size=60), law(0.0)), [ball()], fixed_step(5e-3, 0.2), begin)
+
+    assert end.position[0, 0] > 55.0
+    assert end.visits.cell.tolist() == [60 * 120 + 114, 60 * 120 + 115]
+
+
 def test_barrier_is_met_where_the_parabola_is():
     line = Barrier("line", np.array([[6.3, -20.0], [6.3, 2.0], [6.3, 30.0]]), np.inf, 0.0)
     _, end = throw(barriers=(line,))

@@ -42,7 +42,7 @@ PASSES = 512
 VISIT_ROOM = 64
 """Visits that a launch may end before it stops; one pass may add ``PASS_VISITS`` more."""
 
-PASS_VISITS = 2 * TRAVEL_CELLS + 4
+PASS_VISITS = 2 * TRAVEL_CELLS + 8
 
 CROSSING_ROOM = 16
 """The same for crossings; one pass may add one of each piece of a barrier."""
