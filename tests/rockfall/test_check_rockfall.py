@@ -119,7 +119,7 @@ def test_check_estimates_time_memory_and_files(scene):
     report = check(scene)
     assert report.count == 1000
     assert "flights 1000, 4 chunks of 300" in str(report)
-    assert report.seconds == pytest.approx(1000 * 1e-3 * (0.6 + 0.4 * 24 / 8))
+    assert report.seconds == pytest.approx(1000 * 2e-3 * (0.6 + 0.4 * 24 / 8))
     assert report.memory == 80 * (42 + 1500) + 1000 * 290
     assert report.disk == 27 * 80 * 10
 
@@ -192,7 +192,7 @@ def test_check_asks_only_for_what_there_is(scene, monkeypatch):
 
     monkeypatch.setattr(StandIn, "starts", watched)
     monkeypatch.setattr(StandIn, "count", 10**9)
-    assert check(scene).seconds == pytest.approx(1.8e6)
+    assert check(scene).seconds == pytest.approx(3.6e6)
     assert asked.most == 10_000
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from warpdem.checks.rockfall_report import (
     CELL_BYTES,
     RESULT_BYTES,
+    SECONDS,
     TRAJECTORY_BYTES,
     ClassLine,
     RockfallReport,
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
     from warpdem.rockfall.flights import Starts
     from warpdem.rockfall.rock import Rock
     from warpdem.rockfall.site import Site
-
-SECONDS = 1e-3
-"""CPU time of one trajectory of a rock of 8 vertices, rasters included (measured, tools/bench)."""
 
 FIXED_SHARE = 0.6
 """Share of that which does not grow with the vertices (measured: .52 and .92 us a step with 8 and
