@@ -149,7 +149,8 @@ class RockfallReport:
         )
         yield (
             f"time    about {_duration(self.seconds)} of CPU within a factor of 2: "
-            f"{1e3 * SECONDS:g} ms a flight of a rock with 8 vertices, a twentieth more for each other"
+            f"{1e3 * SECONDS:g} ms a flight of a rock with 8 vertices, a twentieth more for each "
+            "other"
         )
         yield (
             f"memory  about {size_text(self.memory)}: {CELL_BYTES} B a cell of the ground, at most "
