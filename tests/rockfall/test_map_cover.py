@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from slopes import law, plane, site_on
+from slopes import bare, law, plane
 
 from warpdem.output.map_cover import cover, names
 from warpdem.output.relief import Window
@@ -19,7 +19,7 @@ def axes():
 
 @pytest.fixture
 def site():
-    return site_on(plane(size=10), law(0.5))
+    return bare(plane(size=10), law(0.5))
 
 
 def labels(axes):
