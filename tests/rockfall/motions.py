@@ -5,22 +5,33 @@ from math import cos, pi, sin, sqrt, tan
 from types import SimpleNamespace
 
 import numpy as np
-from slopes import G, ball, box, box_skin, corners, fixed_step, law, plane, site_on, starts
+from slopes import (
+    G,
+    ball,
+    box,
+    box_skin,
+    corners,
+    fixed_step,
+    flyer,
+    law,
+    plane,
+    site_on,
+    starts,
+)
 
 from warpdem.geometry.orientation import matrix, product
 from warpdem.rockfall.flights import COUNTS, Fate
 from warpdem.rockfall.rock import Rock
-from warpdem.rockfall.trajectories import Trajectories
 
 WEIGHTLESS = (0.0, 0.0, 0.0)
 
 
 def flown(site, rock, method, begin):
-    return Trajectories(site, [rock], method, visits=False).fly(begin)
+    return flyer(site, [rock], method).fly(begin)
 
 
 def sampled(site, rock, method, begin, every=0.0):
-    return Trajectories(site, [rock], method, visits=False).follow(begin, every)[0]
+    return flyer(site, [rock], method).follow(begin, every)[0]
 
 
 def about_y(angle):
@@ -49,7 +60,7 @@ def bouncing_balls(drop, restitution, dt, duration, phases=8, skip="jump"):
     begin = starts(at)
     begin.velocity[:, 2] = -G * early
     method = fixed_step(dt, duration, skip=skip)
-    ways = Trajectories(site, [ball(0.1)], method, visits=False).follow(begin, 0.0)
+    ways = flyer(site, [ball(0.1)], method).follow(begin, 0.0)
     return [(way.time + early[k], way) for k, way in enumerate(ways)]
 
 
@@ -103,7 +114,8 @@ def stop_of_slider(mu, angle, azimuth, dt, speed=5.0):
     axis = np.array([-down[1], down[0], 0.0])
     turn = (cos(angle / 2), *(sin(angle / 2) * axis))
     along = np.array([cos(angle) * down[0], cos(angle) * down[1], -sin(angle)])
-    begin = starts([0.05 * normal], velocity=speed * along, orientation=turn)
+    # a nanometre deep, so that the first step has its contacts whatever the rounding
+    begin = starts([(0.05 - 1e-9) * normal], velocity=speed * along, orientation=turn)
     end = flown(site, block, fixed_step(dt, 30.0), begin)
     assert end.fate[0] == Fate.REST
     return float((end.position[0] - end.start[0]) @ along)
@@ -150,12 +162,9 @@ def vertex_impact(size, density, turn, velocity, spin, mu, restitution, dt):
 
 def free_rotor(moments, spin, dt, duration, gyroscope="midpoint"):
     """Where a rotor without forces has turned to after a whole number of steps."""
-    rotor = Rock(
-        "rotor", corners((1, 1, 1)), 0.0, box().edges, 1.0, np.asarray(moments, float), *box_skin((1, 1, 1))
-    )  # fmt: skip
-    method = fixed_step(
-        dt, duration - dt / 2, gravity=WEIGHTLESS, gyroscope=gyroscope, skip="none"
-    )
+    moments, skin = np.asarray(moments, float), box_skin((1, 1, 1))
+    rotor = Rock("rotor", corners((1, 1, 1)), 0.0, box().edges, 1.0, moments, *skin)
+    method = fixed_step(dt, duration - dt / 2, gravity=WEIGHTLESS, gyroscope=gyroscope, skip="none")
     return flown(site_on(plane(), law(0.5)), rotor, method, starts([[0, 0, 50]], spin=spin))
 
 
