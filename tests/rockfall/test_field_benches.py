@@ -69,5 +69,13 @@ def test_a_rolling_wheel_has_its_axis_across_the_slope():
 
 def test_the_plates_have_the_recorded_moments():
     np.testing.assert_allclose(np.sort(lu.PLATE.inertia), [52.2, 52.2, 83.5], rtol=4e-3)
-    recorded = [5.741, 5.741, 9.186]
+    recorded = [5.741, 5.741, 9.186]  # kg m^2; EnviDat, doi:10.16904/envidat.174
     np.testing.assert_allclose(np.sort(chant_sura.ROCKS["W200"].inertia), recorded, rtol=4e-3)
+
+
+def test_chance_of_a_distance_is_that_of_the_tables():
+    # of two samples of 100 the 5 % point is near D = 1.36 / sqrt(50)
+    first = np.arange(100.0)
+    shift = round(136.0 / np.sqrt(50.0))
+    assert 0.03 < cases.chance_alike(first, first + shift) < 0.07
+    assert cases.chance_alike(first, first) == 1.0

@@ -50,6 +50,7 @@ PUBLISHED_MEANS = {
 }
 """Table 5, of C_s 1.5, M_E 15: speed [m/s], spin [deg/s], jump height, jump length [m]."""
 RELEASE = np.array([2793260.85, 1180275.93, 2380.85])
+"""Start of a reconstructed flight, LV95 [m]; EnviDat, doi:10.16904/envidat.174."""
 REGIONS = (2338.0, 2267.0)
 """Lower ends of the regions [m]."""
 
