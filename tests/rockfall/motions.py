@@ -103,7 +103,8 @@ def stop_of_slider(mu, angle, azimuth, dt, speed=5.0):
     axis = np.array([-down[1], down[0], 0.0])
     turn = (cos(angle / 2), *(sin(angle / 2) * axis))
     along = np.array([cos(angle) * down[0], cos(angle) * down[1], -sin(angle)])
-    begin = starts([0.05 * normal], velocity=speed * along, orientation=turn)
+    # a nanometre deep, so that the first step has its contacts whatever the rounding
+    begin = starts([(0.05 - 1e-9) * normal], velocity=speed * along, orientation=turn)
     end = flown(site, block, fixed_step(dt, 30.0), begin)
     assert end.fate[0] == Fate.REST
     return float((end.position[0] - end.start[0]) @ along)

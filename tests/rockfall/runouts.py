@@ -8,6 +8,7 @@ from grids import write_asc
 
 from warpdem.input.decode import load
 from warpdem.rockfall import task
+from warpdem.rockfall.flights import Fate
 from warpdem.simulation import Simulation
 
 STEEP, FOOT, CURVE, LENGTH = tan(radians(35.0)), 10.0, 8.0, 60.0
@@ -75,22 +76,25 @@ def _body(turn, place, velocity):
     return '[[body]]\nshape = "rock"\ngroup = "rock"\n' + "".join(lines)
 
 
-def smooth_ends(path, **more):
-    """Positions at the end by the smooth method, shape [n, 3], and the largest speed then."""
-    simulation = Simulation(load(path, []), device="cpu", **more)
+def smooth(path):
+    """Run-outs of a scene's free bodies by the smooth method, all of them standing still [m]."""
+    simulation = Simulation(load(path, []), device="cpu")
+    start = simulation.snapshot().position
     simulation.advance(simulation.scene.run.duration)
     shot = simulation.snapshot()
-    speed = np.linalg.norm(shot.velocity[1:], axis=1)
-    return shot.position[1:], speed
+    assert np.linalg.norm(shot.velocity, axis=1).max() < 1e-2
+    return np.linalg.norm((shot.position - start)[1:, :2], axis=1)
 
 
-def nonsmooth_ends(path, *overrides):
-    """The trajectories of the same file, their positions in its coordinates."""
-    return flights(path, 'run.method="nonsmooth"', *overrides)
+def nonsmooth(path, *overrides):
+    """The same by the non-smooth method, from the same file."""
+    end, _ = flights(path, 'run.method="nonsmooth"', *overrides)
+    assert (end.fate == Fate.REST).all()
+    return runouts(end)
 
 
 def flights(path, *overrides):
-    """Trajectories of a scene, and where the scene's origin of local coordinates lies."""
+    """Trajectories of a scene, and the origin of their coordinates in it."""
     prepared = task.prepared(load(path, list(overrides)), "cpu", "")
     flyer = partial(prepared.work.make, visits=False)
     work = prepared.work

@@ -1,0 +1,106 @@
+"""Run-outs as distributions: does the step, the skipping of free flight, or the method change them?
+
+    python tools/bench/rockfall_distributions.py [--count N] [--blocks N]
+
+After the first contacts trajectories are chaotic, so two runs are compared by the largest distance
+D of their distributions (Kolmogorov, Smirnov) and the probability p of a larger one by chance. All
+runs of a table have equal starts.
+
+First N trajectories of scenes/rockfall_tschamut.toml: of all, then of those that go farther than
+20 m in both. "another seed" shows what chance alone does.
+
+Then rocks on a slope that flattens out (tests/rockfall/runouts.py), one scene file by both
+methods, with equal mu and en2. Slabs that slide keep to one way, so each slab is compared with
+itself too. Blocks that tumble lose energy in impacts with several contacts, where the two methods
+need not agree: Newton's law acts at each corner at once and keeps no tangential velocity of one
+that sticks, while springs share the impact out in time and push back tangentially as well.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "rockfall"), str(Path(__file__).parent)]
+
+import numpy as np  # noqa: E402 - after the path
+import runouts  # noqa: E402 - the same
+from rockfall_cases import band, kolmogorov_smirnov  # noqa: E402 - the same
+
+if TYPE_CHECKING:
+    from warpdem.arrays import FloatArray
+
+SCENE = ROOT / "scenes" / "rockfall_tschamut.toml"
+GONE = 20.0
+"""Run-out beyond which a block has left its release [m]."""
+RUNS = {
+    "as it is: dt 5 ms, stride .03": (),
+    "dt / 2, stride / 2": ("run.dt=2.5e-3", "run.stride=0.015"),
+    "dt / 4, stride / 4": ("run.dt=1.25e-3", "run.stride=0.0075"),
+    'skip = "none"': ('run.skip="none"',),
+    'skip = "sphere"': ('run.skip="sphere"',),
+    "tolerance 1e-6": ("run.tolerance=1e-6",),
+    "another seed": ("run.seed=2",),
+    "dt 5 ms, fixed": ("run.stride=0.0",),
+    "dt 2.5 ms, fixed": ("run.stride=0.0", "run.dt=2.5e-3"),
+    "dt 1 ms, fixed": ("run.stride=0.0", "run.dt=1e-3"),
+}
+
+
+def tschamut(count: int) -> None:
+    print(f"{count} trajectories of {SCENE.name}; against the first")
+    print(f"{'':30} {'run-out of the gone [m]':26}  gone   D     p      D gone  p       s")
+    first = None
+    for name, changes in RUNS.items():
+        since = time.perf_counter()
+        end, _ = runouts.flights(SCENE, *changes, f"ensemble.count={count}")
+        ways = runouts.runouts(end)
+        first = ways if first is None else first
+        line = f"{name:30} {band(ways[ways > GONE]):26}  {np.mean(ways > GONE):.3f}"
+        for a, b in ((first, ways), (first[first > GONE], ways[ways > GONE])):
+            distance, chance = kolmogorov_smirnov(a, b)
+            line += f"  {distance:.3f}  {chance:.2f} "
+        print(f"{line}  {time.perf_counter() - since:5.1f}", flush=True)
+
+
+def both(size: tuple, begin: tuple, en2: float) -> tuple[FloatArray, FloatArray]:
+    """Run-outs of the same rocks by the non-smooth and by the smooth method [m]."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = runouts.written(Path(folder), size, begin, en2=en2)
+        return runouts.nonsmooth(path), runouts.smooth(path)
+
+
+def slope(count: int) -> None:
+    print("a slope that flattens out, mu .5")
+    print(f"{'':18} {'non-smooth [m]':26} {'smooth [m]':26}  D      p     each rock")
+    for name, size, begin in (
+        ("slabs, sliding", runouts.SLAB, runouts.sliders(count)),
+        ("blocks, tumbling", runouts.BLOCK, runouts.tumblers(count)),
+    ):
+        for en2 in (0.04, 0.25):
+            hard, soft = both(size, begin, en2)
+            distance, chance = kolmogorov_smirnov(hard, soft)
+            own = f"{np.abs(hard / soft - 1.0).max():.1e}" if name.startswith("slab") else ""
+            print(
+                f"{name:18} {band(hard):26} {band(soft):26}  {distance:.3f}  {chance:.2f}  {own}"
+                f"  en2 {en2:g}",
+                flush=True,
+            )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=1000, help="trajectories of Tschamut")
+    parser.add_argument("--blocks", type=int, default=200, help="rocks on the simple slope")
+    options = parser.parse_args()
+    tschamut(options.count)
+    slope(options.blocks)
+
+
+if __name__ == "__main__":
+    main()
