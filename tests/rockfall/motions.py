@@ -154,9 +154,7 @@ def free_rotor(moments, spin, dt, duration, gyroscope="midpoint"):
     rotor = Rock(
         "rotor", corners((1, 1, 1)), 0.0, box().edges, 1.0, np.asarray(moments, float), *box_skin((1, 1, 1))
     )  # fmt: skip
-    method = fixed_step(
-        dt, duration - dt / 2, gravity=WEIGHTLESS, gyroscope=gyroscope, skip="none"
-    )
+    method = fixed_step(dt, duration - dt / 2, gravity=WEIGHTLESS, gyroscope=gyroscope, skip="none")
     return flown(site_on(plane(), law(0.5)), rotor, method, starts([[0, 0, 50]], spin=spin))
 
 

@@ -1,4 +1,4 @@
-"""Rocks whose motion is known in closed form; tools/bench/rockfall_answers.py has the whole table."""
+"""Rocks whose motion is known in closed form; tools/bench/rockfall_answers.py shows all."""
 
 from math import acos, atan2, cos, degrees, pi, radians, sqrt
 

@@ -32,7 +32,7 @@ DEFAULT = ROOT.parent / "shared" / "reference" / "analytic"
 
 def line(answer: Answer) -> str:
     errors = "  ".join(f"{dt:.2g}: {error:.1e}" for dt, error in answer.errors.items())
-    order = "" if answer.order != answer.order else f"{answer.order:5.2f}"  # noqa: PLR0124 - NaN
+    order = "" if answer.order != answer.order else f"{answer.order:5.2f}"
     gate = verdict = ""
     if answer.gate is not None:
         gate = f"{answer.gate:.1e}" + (f" at {answer.at:.2g}" if answer.at else "")

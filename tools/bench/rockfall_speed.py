@@ -21,7 +21,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import subprocess  # noqa: S404 - starts the peer
+import subprocess
 import sys
 import time
 from dataclasses import replace
@@ -92,7 +92,9 @@ def trajectories(count: int, repeats: int) -> None:
             runs[threads, skip, passages] = partial(flown, crew, plan)
     seconds = alternating(runs, repeats)
     base = {threads: seconds[threads, *VARIANTS[0]] for threads in (1, 2)}
-    print(f"{count} trajectories of {SCENE.name}, medians of {repeats}, load {os.getloadavg()[0]:.1f}")
+    print(
+        f"{count} trajectories of {SCENE.name}, medians of {repeats}, load {os.getloadavg()[0]:.1f}"
+    )
     print("threads  skip    passages  /CPU s   /wall s   CPU time over the first's, paired")
     for (threads, skip, passages), each in seconds.items():
         cpu, wall = np.median(each, axis=0)

@@ -102,7 +102,9 @@ def bounces(folder: Path | None) -> Iterator[Answer]:
             ways = motions.bouncing_balls(p["h0"], p["e"], dt, until)
             got = [motions.impacts_of(time, way) for time, way in ways]
             when = [np.abs(time[:6] - x["t_impacts"][: len(time)]).max() for time, _ in got]
-            high = [np.abs(top[:5] - x["peak_heights"][1 : 1 + len(top[:5])]).max() for _, top in got]
+            high = [
+                np.abs(top[:5] - x["peak_heights"][1 : 1 + len(top[:5])]).max() for _, top in got
+            ]
             return max(when), max(high)
 
         ladder = (*LADDER, 1e-6, 1e-7)
