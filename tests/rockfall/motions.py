@@ -151,9 +151,8 @@ def vertex_impact(size, density, turn, velocity, spin, mu, restitution, dt):
 
 def free_rotor(moments, spin, dt, duration, gyroscope="midpoint"):
     """Where a rotor without forces has turned to after a whole number of steps."""
-    rotor = Rock(
-        "rotor", corners((1, 1, 1)), 0.0, box().edges, 1.0, np.asarray(moments, float), *box_skin((1, 1, 1))
-    )  # fmt: skip
+    moments, skin = np.asarray(moments, float), box_skin((1, 1, 1))
+    rotor = Rock("rotor", corners((1, 1, 1)), 0.0, box().edges, 1.0, moments, *skin)
     method = fixed_step(dt, duration - dt / 2, gravity=WEIGHTLESS, gyroscope=gyroscope, skip="none")
     return flown(site_on(plane(), law(0.5)), rotor, method, starts([[0, 0, 50]], spin=spin))
 

@@ -1,4 +1,4 @@
-"""A slope that flattens out, and the same rocks on it by the smooth and by the non-smooth method."""
+"""A slope that flattens out, and the same rocks on it by both methods."""
 
 from functools import partial
 from math import atan, cos, radians, sin, tan
@@ -13,7 +13,7 @@ from warpdem.simulation import Simulation
 
 STEEP, FOOT, CURVE, LENGTH = tan(radians(35.0)), 10.0, 8.0, 60.0
 """Slope of the upper part, where it ends, on what length it turns level, where the ground ends."""
-LANE = 5.0
+LANE = 12.0
 """Width of a rock's own strip [m]; wide enough that none meets another."""
 SLAB, BLOCK = (1.0, 0.8, 0.25), (0.6, 0.5, 0.45)
 DENSITY = 2700.0
@@ -52,7 +52,7 @@ def written(folder, size, begin, *, mu=0.5, en2=0.04, stiffness=2e6, duration=12
     place, turn, velocity = begin
     lanes = len(place) * LANE
     x = np.arange(-5.0, LENGTH)
-    write_asc(folder / "slope.asc", np.tile(height(x), (int(lanes) + 10, 1)), x=-5.0, y=-5.0)
+    write_asc(folder / "slope.asc", np.tile(height(x), (int(lanes) + 24, 1)), x=-5.0, y=-12.0)
     bodies = "".join(
         _body(row, [*at[:1], LANE * (k + 0.5), at[2]], velocity[k])
         for k, (at, row) in enumerate(zip(place, turn, strict=True))
