@@ -5,22 +5,21 @@ from math import cos, pi, sin, sqrt, tan
 from types import SimpleNamespace
 
 import numpy as np
-from slopes import G, ball, box, box_skin, corners, fixed_step, law, plane, site_on, starts
+from slopes import G, ball, box, box_skin, corners, fixed_step, flyer, law, plane, site_on, starts
 
 from warpdem.geometry.orientation import matrix, product
 from warpdem.rockfall.flights import COUNTS, Fate
 from warpdem.rockfall.rock import Rock
-from warpdem.rockfall.trajectories import Trajectories
 
 WEIGHTLESS = (0.0, 0.0, 0.0)
 
 
 def flown(site, rock, method, begin):
-    return Trajectories(site, [rock], method, visits=False).fly(begin)
+    return flyer(site, [rock], method).fly(begin)
 
 
 def sampled(site, rock, method, begin, every=0.0):
-    return Trajectories(site, [rock], method, visits=False).follow(begin, every)[0]
+    return flyer(site, [rock], method).follow(begin, every)[0]
 
 
 def about_y(angle):
@@ -49,7 +48,7 @@ def bouncing_balls(drop, restitution, dt, duration, phases=8, skip="jump"):
     begin = starts(at)
     begin.velocity[:, 2] = -G * early
     method = fixed_step(dt, duration, skip=skip)
-    ways = Trajectories(site, [ball(0.1)], method, visits=False).follow(begin, 0.0)
+    ways = flyer(site, [ball(0.1)], method).follow(begin, 0.0)
     return [(way.time + early[k], way) for k, way in enumerate(ways)]
 
 

@@ -32,7 +32,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "rockfall"), str(Path(__file__).
 
 import numpy as np  # noqa: E402 - after the path
 import runouts  # noqa: E402 - the same
-from rockfall_cases import band, kolmogorov_smirnov  # noqa: E402 - the same
+from rockfall_cases import band  # noqa: E402 - the same
 
 if TYPE_CHECKING:
     from warpdem.arrays import FloatArray
@@ -74,7 +74,7 @@ def tschamut(count: int) -> None:
         first = ways if first is None else first
         line = f"{name:30} {band(ways[ways > GONE]):26}  {np.mean(ways > GONE):.3f}"
         for a, b in ((first, ways), (first[first > GONE], ways[ways > GONE])):
-            distance, chance = kolmogorov_smirnov(a, b)
+            distance, chance = runouts.compared(a, b)
             line += f"  {distance:.3f}  {chance:.2f} "
         print(f"{line}  {time.perf_counter() - since:5.1f}", flush=True)
 
@@ -93,7 +93,7 @@ def slope(count: int) -> None:
         slabs = name == "slabs"
         begin = (runouts.sliders if slabs else runouts.tumblers)(count)
         hard, soft = both(runouts.SLAB if slabs else runouts.BLOCK, begin, mu, en2)
-        distance, chance = kolmogorov_smirnov(hard, soft)
+        distance, chance = runouts.compared(hard, soft)
         own = f"{np.abs(hard / soft - 1.0).max():.1e}" if slabs else ""
         print(
             f"{name:6}  {mu:.2f}  {en2:.2f}  {band(hard):26} {band(soft):26}  {distance:.3f}  "
