@@ -5,19 +5,7 @@ from math import cos, pi, sin, sqrt, tan
 from types import SimpleNamespace
 
 import numpy as np
-from slopes import (
-    G,
-    ball,
-    box,
-    box_skin,
-    corners,
-    fixed_step,
-    flyer,
-    law,
-    plane,
-    site_on,
-    starts,
-)
+from slopes import G, ball, box, box_skin, corners, fixed_step, flyer, law, plane, site_on, starts
 
 from warpdem.geometry.orientation import matrix, product
 from warpdem.rockfall.flights import COUNTS, Fate

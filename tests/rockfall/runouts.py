@@ -5,6 +5,7 @@ from math import atan, cos, radians, sin, tan
 
 import numpy as np
 from grids import write_asc
+from rockfall_cases import kolmogorov_smirnov
 
 from warpdem.input.decode import load
 from warpdem.rockfall import task
@@ -106,3 +107,19 @@ def flights(path, *overrides):
 def runouts(end):
     """Horizontal ways from start to end [m]."""
     return np.linalg.norm((end.position - end.start)[:, :2], axis=1)
+
+
+def compared(first, second):
+    """Largest distance of two samples' distributions, and the probability of a larger one.
+
+    The latter is the asymptotic one with the correction for small samples; Stephens (1970),
+    doi:10.1111/j.2517-6161.1970.tb00821.x.
+    """
+    distance = kolmogorov_smirnov(first, second)
+    root = np.sqrt(len(first) * len(second) / (len(first) + len(second)))
+    scaled = (root + 0.12 + 0.11 / root) * distance
+    if scaled < 0.2:  # the series alternates without end; the sum is 1 within 1e-10
+        return distance, 1.0
+    k = np.arange(1, 101)
+    tail = 2.0 * float(((-1.0) ** (k - 1) * np.exp(-2.0 * (k * scaled) ** 2)).sum())
+    return distance, min(max(tail, 0.0), 1.0)

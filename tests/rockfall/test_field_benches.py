@@ -5,6 +5,7 @@ import pytest
 import rockfall_cases as cases
 import rockfall_chant_sura as chant_sura
 import rockfall_lu as lu
+from runouts import compared
 from slopes import law
 
 from warpdem.geometry.orientation import turned
@@ -77,5 +78,5 @@ def test_chance_of_a_distance_is_that_of_the_tables():
     # of two samples of 100 the 5 % point is near D = 1.36 / sqrt(50)
     first = np.arange(100.0)
     shift = round(136.0 / np.sqrt(50.0))
-    assert 0.03 < cases.chance_alike(first, first + shift) < 0.07
-    assert cases.chance_alike(first, first) == 1.0
+    assert 0.03 < compared(first, first + shift)[1] < 0.07
+    assert compared(first, first)[1] == 1.0

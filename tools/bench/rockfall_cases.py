@@ -170,18 +170,6 @@ def kolmogorov_smirnov(first: FloatArray, second: FloatArray) -> float:
     return float(np.abs(share_a - share_b).max())
 
 
-def chance_alike(first: FloatArray, second: FloatArray) -> float:
-    """Probability of a Kolmogorov-Smirnov distance no smaller, of independent values.
-
-    Source: Stephens (1970), doi:10.1111/j.2517-6161.1970.tb00821.x, for the scale of the distance.
-    """
-    root = np.sqrt(len(first) * len(second) / (len(first) + len(second)))
-    scaled = (root + 0.12 + 0.11 / root) * kolmogorov_smirnov(first, second)
-    terms = np.arange(1, 101)
-    series = 2.0 * np.sum((-1.0) ** (terms - 1) * np.exp(-2.0 * (terms * scaled) ** 2))
-    return float(np.clip(series, 0.0, 1.0)) if scaled > 0.2 else 1.0
-
-
 def chance_within(groups: Sequence[FloatArray], observed: FloatArray, draws: int = 999) -> float:
     """Probability of a Kolmogorov-Smirnov distance no smaller, by permutation within groups.
 

@@ -35,7 +35,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "rockfall")]
 
 import numpy as np  # noqa: E402 - after the path
-from slopes import box, fixed_step, law, plane, site_on, starts  # noqa: E402 - the same
+from slopes import bare, box, fixed_step, law, plane, starts  # noqa: E402 - the same
 
 from warpdem.input.decode import load  # noqa: E402 - the same
 from warpdem.rockfall import task  # noqa: E402 - the same
@@ -141,7 +141,7 @@ def sliding(rocks: int, skip: str, duration: float) -> tuple[Trajectories, Start
     turn /= np.linalg.norm(turn, axis=1, keepdims=True)
     begin = starts(np.tile([0.0, 0.0, 2.5], (rocks, 1)), velocity=(2.0, 0.0, 0.0))
     rock = box(SIZE, 2700.0 * float(np.prod(SIZE)))
-    flyer = Trajectories(site_on(plane(), law(MU)), [rock], method, visits=False)
+    flyer = Trajectories(bare(plane(), law(MU)), [rock], method, visits=False)
     return flyer, replace(begin, orientation=turn)
 
 

@@ -73,7 +73,8 @@ def place_of(
 
 def parts_of(site: Site, rocks: Sequence[Rock], method: Method, *, visits: bool) -> Parts:
     """What the trajectories need compiled."""
-    falls = method.gravity[0] == method.gravity[1] == 0.0 and method.gravity[2] < 0.0
+    x, y, z = (float(part) for part in method.gravity)
+    falls = x == y == 0.0 and z < 0.0
     return Parts(
         facets=site.ground.facets is not None,
         rounded=any(rock.rounding > 0.0 for rock in rocks),
