@@ -145,8 +145,9 @@ def press(
         contact = prepared(flights.contact[slot, c], middle.body)
         before = velocity_at(middle.start, contact.arm)
         scale = wp.max(scale, wp.length(before))
-        approach = wp.min(real(0.0), wp.dot(before, contact.normal))
-        contact.bias = classes.restitution[ground_class] * approach
+        if contact.vertex >= 0:  # trunks give nothing back
+            approach = wp.min(real(0.0), wp.dot(before, contact.normal))
+            contact.bias = classes.restitution[ground_class] * approach
         flights.contact[slot, c] = contact
         twist = struck(twist, middle.body, contact.arm, contact.percussion)
     solved = solve(
@@ -200,7 +201,9 @@ def lifted(rules: Rules, motion: Motion, depth: real) -> Motion:
     raised = motion
     g = wp.length(rules.gravity)
     speed2 = wp.length_sq(motion.velocity)
-    up = wp.min(rules.lift * (depth - rules.slop), real(0.5) * speed2 / g)
+    up = real(0.0)
+    if g > real(0.0):
+        up = wp.min(rules.lift * (depth - rules.slop), real(0.5) * speed2 / g)
     if up > real(0.0):
         raised.position = motion.position - (up / g) * rules.gravity
         raised.velocity = motion.velocity * wp.sqrt(
@@ -275,6 +278,7 @@ def contact_step(parts: Parts) -> wp.Function:
                 area = frontal_area(rocks, rock, middle.turn, centre, plane, along)
                 slowing = soil_drag(classes.scar_drag[kind], area, speed, mass)
                 touched = sink(flights, slot, touched, scar)
+        depth = touched.depth
         if wp.static(parts.trees):
             touched = touch_trees(
                 terrain, obstacles, rocks, rock, centre, middle.turn, flights, slot, touched
@@ -294,7 +298,7 @@ def contact_step(parts: Parts) -> wp.Function:
             if touched.count > 0:
                 twist = press(rules, classes, kind, middle, touched.count, dt, flights, slot)
                 touching = keep_percussions(flights, slot, touched.count)
-                flights.measure[slot, DEPTH] = wp.max(flights.measure[slot, DEPTH], touched.depth)
+                flights.measure[slot, DEPTH] = wp.max(flights.measure[slot, DEPTH], depth)
             drag = classes.drag[kind]
             after = ended(motion, middle, twist, touching, drag, classes.beta[kind], dt)
             after.scar = scar
@@ -303,7 +307,7 @@ def contact_step(parts: Parts) -> wp.Function:
             gain = energy_over_mass(rules, after, theta / mass) - before
             flights.measure[slot, GAIN] = wp.max(flights.measure[slot, GAIN], gain)
             if wp.static(parts.lift):
-                raised = lifted(rules, after, touched.depth)
+                raised = lifted(rules, after, depth)
                 up = wp.length(raised.position - after.position)
                 flights.measure[slot, LIFTED] = flights.measure[slot, LIFTED] + up
                 after = raised

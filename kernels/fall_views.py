@@ -11,6 +11,7 @@ REST = wp.constant(1)
 LEFT = wp.constant(2)
 TIMEOUT = wp.constant(3)
 CAUGHT = wp.constant(4)
+BROKEN = wp.constant(5)
 
 # columns of Flights.count, as rockfall.flights.COUNTS
 CONTACT_STEPS = wp.constant(0)
@@ -123,7 +124,10 @@ class Rules:
     sweeps: int
     accelerate_from: int
     jump_angle: real
-    travel: real  # most horizontal way in one pass, so that cells passed fit their buffer
+    travel: (
+        real  # most horizontal way in one pass: what is passed is then near, and fits its buffer
+    )
+    falling: real  # time in which a fall from rest covers half of that
     lift: real
     slop: real
     rest_time: real

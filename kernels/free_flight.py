@@ -94,13 +94,13 @@ def fly(middle_spin: wp.Function, *, forest: bool) -> wp.Function:
 
 @inlined()
 def step_length(rules: Rules, motion: Motion, bound: real) -> real:
-    """Time step of a rock [s]: no point of it moves more than a part of its size."""
+    """Time step of a rock [s]: no point of it moves more than a part of its size, or too far."""
     dt = rules.dt
-    speed = wp.length(motion.velocity)
+    fastest = wp.length(motion.velocity) + bound * wp.length(motion.spin) + real(1.0e-12)
     if rules.stride > real(0.0):
-        fastest = speed + bound * wp.length(motion.spin) + real(1.0e-12)
         dt = wp.clamp(rules.stride * bound / fastest, SHORTEST * rules.dt, rules.dt)
-    return wp.min(dt, rules.travel / (speed + real(1.0e-12)))
+    # an impact may turn spin into speed
+    return wp.min(dt, wp.min(real(0.5) * rules.travel / fastest, rules.falling))
 
 
 @functools.cache

@@ -16,6 +16,11 @@ from warpdem.kernels.ground import column_of, row_of, upward_normal
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.variant import inlined
 
+# squared sine against the vertical below which an edge is upright
+UPRIGHT = wp.constant(real(1.0e-18))
+# difference of two distances from a trunk, over the rock's size, that is rounding
+ALIKE = wp.constant(real(1.0e-9))
+
 
 @wp.struct
 class Touched:
@@ -123,13 +128,22 @@ def sink(flights: Flights, slot: int, touched: Touched, scar: real) -> Touched:
 
 @wp.func
 def nearest_on(a: vec3, b: vec3) -> vec3:
-    """Point of the segment a b that is nearest to the z axis."""
+    """Point of the segment a b that is nearest to the z axis; its middle if it is upright."""
     along = b - a
     length = along[0] * along[0] + along[1] * along[1]
-    part = real(0.0)
-    if length > real(0.0):
+    part = real(0.5)
+    if length > UPRIGHT * wp.length_sq(along):
         part = wp.clamp(-(a[0] * along[0] + a[1] * along[1]) / length, real(0.0), real(1.0))
     return a + part * along
+
+
+@wp.func
+def lowered(a: vec3, b: vec3, top: real) -> vec3:
+    """End a of the segment a b, or where it sinks below ``top``; b is below."""
+    end = a
+    if a[2] > top:
+        end = a + ((a[2] - top) / (a[2] - b[2])) * (b - a)
+    return end
 
 
 @inlined()
@@ -138,28 +152,41 @@ def touch_tree(
 ) -> Contact:
     """Contact of a rock with a trunk; its gap is positive when there is none.
 
-    Seen from above a convex rock outside the axis is nearest to it with one of its edges.
+    Seen from above a convex rock outside the axis is nearest to it with one of its edges, as far
+    as they are below the trunk's top. Where several are as near, as of an upright face, it touches
+    in the middle of their heights.
     """
     trunk = obstacles.tree[tree]
+    top = obstacles.tree_top[tree]
     axis = vec3(trunk[0], trunk[1], real(0.0))
+    alike = ALIKE * rocks.bound[rock]
     nearest = vec3()
     closest = real(1.0e300)
+    low = real(0.0)
+    high = real(0.0)
     for k in range(rocks.edge_count[rock]):
         edge = rocks.edge[rock, k]
         a = centre + turn @ rocks.vertex[rock, edge[0]] - axis
         b = centre + turn @ rocks.vertex[rock, edge[1]] - axis
-        place = nearest_on(a, b)
-        distance = wp.sqrt(place[0] * place[0] + place[1] * place[1])
-        if distance < closest:
-            closest = distance
-            nearest = place
+        if wp.min(a[2], b[2]) <= top:
+            place = nearest_on(lowered(a, b, top), lowered(b, a, top))
+            distance = wp.sqrt(place[0] * place[0] + place[1] * place[1])
+            if distance < closest - alike:
+                nearest = place
+                low = place[2]
+                high = place[2]
+            elif distance <= closest + alike:
+                low = wp.min(low, place[2])
+                high = wp.max(high, place[2])
+            closest = wp.min(closest, distance)
+    nearest[2] = real(0.5) * (low + high)
     contact = Contact()
     contact.vertex = int(-1)
     contact.friction = obstacles.tree_friction[tree]
     contact.normal = wp.normalize(vec3(nearest[0], nearest[1], real(0.0)))
     contact.arm = nearest + axis - centre - rocks.rounding[rock] * contact.normal
     contact.gap = closest - trunk[2] - rocks.rounding[rock]
-    if nearest[2] > obstacles.tree_top[tree] or closest == real(0.0):
+    if closest == real(0.0):
         contact.gap = real(1.0)
     return contact
 

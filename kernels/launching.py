@@ -58,6 +58,8 @@ def begin(ground: wp.Function) -> wp.Kernel:
         flights.fate[slot] = MOVING
         flights.motion[slot] = motion
         flights.window[slot] = window
+        for i in range(flights.percussion.shape[1]):
+            flights.percussion[slot, i] = vec3()
         for i in range(flights.count.shape[1]):
             flights.count[slot, i] = 0
         for i in range(flights.measure.shape[1]):

@@ -22,6 +22,8 @@ from warpdem.kernels.variant import inlined
 
 # a part of a way beyond its end: nothing is met
 NEVER = wp.constant(real(2.0))
+# by which a rock is set behind a barrier it has broken [m]
+BEYOND = wp.constant(real(1.0e-6))
 # lines of the grid that one stretch can cross: Rules.travel is 16 cells along each axis
 MOST_BORDERS = wp.constant(34)
 
@@ -122,11 +124,14 @@ def larger(visit: Visit, values: vec4) -> Visit:
 
 @inlined()
 def leave(flights: Flights, slot: int, visit: Visit):
-    """Write down a visit that is over."""
+    """Write down a visit that is over; one that does not fit is counted."""
     number = flights.visit_count[slot]
     if visit.cell >= 0:
-        flights.visit[slot, number] = visit
-        flights.visit_count[slot] = number + 1
+        if number < flights.visit.shape[1]:
+            flights.visit[slot, number] = visit
+            flights.visit_count[slot] = number + 1
+        else:
+            flights.count[slot, DROPPED] += 1
 
 
 @inlined()
@@ -268,22 +273,28 @@ def first_met(obstacles: Obstacles, way: Way, after_part: real, after_piece: int
     return met
 
 
+@wp.struct
+class Stop:
+    """Where a barrier acts on a stretch, NEVER if none does, and what it leaves of the energy."""
+
+    part: real
+    kept: real
+    caught: int
+
+
 @functools.cache
 def cross_barriers(ground: wp.Function) -> wp.Function:
-    """Function that records the barriers on a stretch; returns where it ends and what is left.
-
-    The part of the way at which a barrier caught the rock (NEVER if none did), and the share of
-    its kinetic energy that the barriers it broke through left to it.
-    """
+    """Function that records the barriers on a stretch up to the first that acts on the rock."""
 
     @inlined()
     def cross_barriers(
         terrain: Terrain, obstacles: Obstacles, flights: Flights, slot: int, way: Way
-    ) -> wp.vec2d:
-        kept = real(1.0)
-        caught = NEVER
+    ) -> Stop:
+        stop = Stop()
+        stop.part = NEVER
+        stop.kept = real(1.0)
         met = first_met(obstacles, way, real(-1.0), -1)
-        while met.part < NEVER and caught == NEVER:
+        while met.part < NEVER and stop.part == NEVER:
             barrier = obstacles.piece_barrier[met.piece]
             crossing = Crossing()
             crossing.barrier = barrier
@@ -291,18 +302,37 @@ def cross_barriers(ground: wp.Function) -> wp.Function:
             crossing.time = way.time + met.part * way.duration
             under = ground(terrain, crossing.position[0], crossing.position[1])
             crossing.height = crossing.position[2] - under[0]
-            crossing.energy = kept * energy_on(way, met.part)
-            crossing.speed = wp.sqrt(kept) * wp.length(way.velocity + met.part * way.change)
-            crossing.spin = wp.sqrt(kept) * way.spin
+            crossing.energy = energy_on(way, met.part)
+            crossing.speed = wp.length(way.velocity + met.part * way.change)
+            crossing.spin = way.spin
             capacity = obstacles.barrier_capacity[barrier]
             if capacity > real(0.0) and crossing.height <= obstacles.barrier_height[barrier]:
+                stop.part = met.part
                 if crossing.energy <= capacity:
                     crossing.caught = 1
-                    caught = met.part
+                    stop.caught = 1
                 else:
-                    kept = kept * (real(1.0) - capacity / crossing.energy)
+                    stop.kept = real(1.0) - capacity / crossing.energy
+                    # a micrometre beyond, so that it is met once
+                    stop.part = wp.min(met.part + BEYOND / wp.length(way.along), real(1.0))
             write_crossing(flights, slot, crossing)
             met = first_met(obstacles, way, met.part, met.piece)
-        return wp.vec2d(caught, kept)
+        return stop
 
     return cross_barriers
+
+
+@wp.func
+def cut(before: Motion, after: Motion, way: Way, part: real) -> Motion:
+    """The state after a part of a stretch."""
+    short = after
+    short.position = place_on(way, part)
+    short.velocity = before.velocity + part * way.change
+    short.spin = before.spin + part * (after.spin - before.spin)
+    final = after.orientation
+    if wp.dot(before.orientation, final) < real(0.0):
+        final = -final
+    short.orientation = wp.normalize(before.orientation + (final - before.orientation) * part)
+    short.slip = before.slip + part * (after.slip - before.slip)
+    short.time = before.time + part * way.duration
+    return short

@@ -45,7 +45,7 @@ class Body:
 
     inverse_mass: real
     inverse_inertia: mat33  # along the world's axes, of the implicit gyroscopic term; unsymmetric
-    cofactor: mat33  # of its symmetric part
+    cofactor: mat33  # of the inverse of inertia without that term
 
 
 @wp.func

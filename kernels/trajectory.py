@@ -9,6 +9,7 @@ import functools
 import warp as wp
 from warpdem.kernels.contact_step import Parts, contact_step
 from warpdem.kernels.fall_views import (
+    BROKEN,
     CAUGHT,
     FLIGHT_STEPS,
     JUMPS,
@@ -32,21 +33,24 @@ from warpdem.kernels.ground import column_of, is_known, row_of
 from warpdem.kernels.passages import (
     NEVER,
     cross_barriers,
+    cut,
     leave,
     observe,
-    place_on,
     way_of,
 )
 from warpdem.kernels.precision import real
 from warpdem.kernels.rotation import arc
 from warpdem.kernels.variant import inlined, variant
 
+# squared speed beyond which nothing is computed [m^2/s^2]
+FASTEST = wp.constant(real(1.0e100))
+
 
 @inlined()
 def fate_of(
     terrain: Terrain, rules: Rules, rocks: Rocks, flights: Flights, slot: int, motion: Motion
 ) -> int:
-    """Whether a rock has come to rest, left the ground or run out of time.
+    """Whether a rock has come to rest, left the ground, run out of time, or ceased to be finite.
 
     At rest is what stays where it is over a whole window and is in contact at its end: a rock that
     turns over is slow too, and so is one that starts from rest.
@@ -64,7 +68,9 @@ def fate_of(
         fresh.orientation = motion.orientation
         fresh.time = motion.time
         flights.window[slot] = fresh
-    if not is_known(terrain, motion.position[0], motion.position[1]):
+    if not (wp.length_sq(motion.velocity) + wp.length_sq(motion.spin) < FASTEST):
+        fate = BROKEN
+    elif not is_known(terrain, motion.position[0], motion.position[1]):
         fate = LEFT
     elif fate == MOVING and motion.time >= rules.duration:
         fate = TIMEOUT
@@ -145,19 +151,22 @@ def advance(parts: Parts) -> wp.Kernel:
             after = onward(terrain, rocks, classes, obstacles, rules, flights, slot, motion)
             way = way_of(rocks, rules, rock, motion, after)
             if wp.static(parts.screens):
+                kept = real(1.0)
                 at = motion.position
                 near = terrain.near[row_of(terrain, at[1]), column_of(terrain, at[0])]
                 if (near & SCREEN) != 0:
-                    met = barriers(terrain, obstacles, flights, slot, way)
-                    after.velocity = wp.sqrt(met[1]) * after.velocity
-                    after.spin = wp.sqrt(met[1]) * after.spin
-                    if met[0] < NEVER:
-                        fate = CAUGHT
-                        after.position = place_on(way, met[0])
-                        after.time = way.time + met[0] * way.duration
+                    stop = barriers(terrain, obstacles, flights, slot, way)
+                    kept = wp.sqrt(stop.kept)
+                    if stop.part < NEVER:
+                        after = cut(motion, after, way, stop.part)
                         way = way_of(rocks, rules, rock, motion, after)
+                    if stop.caught == 1:
+                        fate = CAUGHT
             watch(terrain, grid, flights, slot, way)
             motion = after
+            if wp.static(parts.screens):
+                motion.velocity = kept * motion.velocity
+                motion.spin = kept * motion.spin
             if fate == MOVING:
                 fate = fate_of(terrain, rules, rocks, flights, slot, motion)
             if flights.visit_count[slot] > visit_room:

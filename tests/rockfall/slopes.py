@@ -54,6 +54,9 @@ NOWHERE = law(0.5, scar_modulus=500.0)
 """A class of ground of which there is none."""
 
 
+HARD = law(0.55, mu_max=2.0, kappa=3.0, beta=185.0, drag=0.4)
+
+
 def bare(ground, kind):
     """A site with one class of ground, results in the ground's own cells."""
     grid = ground.grid
@@ -87,6 +90,10 @@ def site_on(ground, kind, **more):
 def flyer(site, rocks, method, **how):
     """Trajectories of rocks, one kind more among them that is round."""
     return Trajectories(site, [*rocks, ball()], method, **how)
+
+
+def flown(site, rocks, method, begin, **how):
+    return flyer(site, rocks, method, **how).fly(begin)
 
 
 def ball(radius=0.5, mass=100.0):
@@ -141,3 +148,13 @@ def fixed_step(dt, duration, **more):
 def random_orientations(count, seed=0):
     q = np.random.default_rng(seed).normal(size=(count, 4))
     return q / np.linalg.norm(q, axis=1, keepdims=True)
+
+
+def throw(velocity=(6.0, 3.7, 12.0), cell=1.0, results=None, method=None, **site):
+    """A small ball thrown over a plane from (0.3, 0.2, 5), and what it passed."""
+    ground = plane(size=60, cell=cell)
+    place = site_on(ground, law(0.5), **site)
+    if results:
+        place = replace(place, results=results)
+    begin = starts([[0.3, 0.2, 5.0]], velocity=velocity)
+    return place, flown(place, [ball(0.1, 2.0)], method or Method(duration=1.9), begin)

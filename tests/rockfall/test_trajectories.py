@@ -7,12 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from slopes import (
+    HARD,
     G,
     ball,
     bare,
     box,
     box_skin,
     fixed_step,
+    flown,
     flyer,
     ground_of,
     law,
@@ -20,16 +22,16 @@ from slopes import (
     random_orientations,
     site_on,
     starts,
+    throw,
 )
 
 import warpdem
 from warpdem.rockfall.flights import COUNTS, MEASURES, Fate, Method
 from warpdem.rockfall.rock import Rock
-from warpdem.rockfall.site import Barrier, Facets, Ground, Stand, Trees
+from warpdem.rockfall.site import Facets, Ground, Stand
 from warpdem.rockfall.trajectories import Stopped, Trajectories
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
-HARD = law(0.55, mu_max=2.0, kappa=3.0, beta=185.0, drag=0.4)
 
 
 def waves(slope=-0.7, size=40, cell=2.5):
@@ -47,10 +49,6 @@ def tumbling(count=24, seed=1):
     ground = waves().height(at[:, 0], at[:, 1])
     begin = starts(np.column_stack([at, ground + 1.5]), velocity=(2.0, 0.3, 0.0))
     return replace(begin, orientation=random_orientations(count, seed))
-
-
-def flown(site, rocks, method, begin, **how):
-    return flyer(site, rocks, method, **how).fly(begin)
 
 
 def rows(record):
@@ -137,16 +135,6 @@ def test_following_a_rock_ends_where_it_fell(bundle):
     assert np.all(np.diff(way.time)[:-1] >= 0.05)
 
 
-def throw(velocity=(6.0, 3.7, 12.0), cell=1.0, results=None, method=None, **site):
-    """A small ball thrown over a plane from (0.3, 0.2, 5), and what it passed."""
-    ground = plane(size=60, cell=cell)
-    place = site_on(ground, law(0.5), **site)
-    if results:
-        place = replace(place, results=results)
-    begin = starts([[0.3, 0.2, 5.0]], velocity=velocity)
-    return place, flown(place, [ball(0.1, 2.0)], method or Method(duration=1.9), begin)
-
-
 @pytest.mark.parametrize("finer", [1, 4])
 def test_no_cell_below_a_parabola_is_left_out(finer):
     grid = plane(size=60).grid
@@ -176,78 +164,6 @@ def test_border_is_crossed_by_steps_shorter_than_rounding_shows():
 
     assert end.position[0, 0] > 55.0
     assert end.visits.cell.tolist() == [60 * 120 + 114, 60 * 120 + 115]
-
-
-def test_barrier_is_met_where_the_parabola_is():
-    line = Barrier("line", np.array([[6.3, -20.0], [6.3, 2.0], [6.3, 30.0]]), np.inf, 0.0)
-    _, end = throw(barriers=(line,))
-    met = end.crossings
-
-    assert met.barrier.tolist() == [0]
-    assert met.time[0] == pytest.approx(1.0, abs=1e-12)
-    assert met.position[0] == pytest.approx([6.3, 3.9, 17.0 - 0.5 * G], abs=1e-9)
-    assert met.energy[0] == pytest.approx(36 + 3.7**2 + (12.0 - G) ** 2, rel=1e-9)
-    assert not met.caught[0]
-
-
-def test_barrier_that_can_take_the_energy_catches_below_its_height():
-    across = np.array([[6.3, -20.0], [6.3, 30.0]])
-    low = Barrier("low", across, 3.0, 1e9)
-    high = Barrier("high", across + np.array([3.0, 0.0]), 50.0, 1e9)
-    _, end = throw(barriers=(high, low))
-
-    assert end.crossings.barrier.tolist() == [1, 0]
-    assert end.crossings.caught.tolist() == [False, True]
-    assert end.fate[0] == Fate.CAUGHT
-    assert end.position[0, 0] == pytest.approx(9.3, abs=1e-9)
-    assert end.time[0] == pytest.approx(1.5, abs=1e-9)
-
-
-def test_barrier_that_breaks_takes_its_capacity_from_the_rock():
-    weak = Barrier("weak", np.array([[6.3, -20.0], [6.3, 30.0]]), 50.0, 20.0)
-    probe = Barrier("probe", np.array([[6.31, -20.0], [6.31, 30.0]]), np.inf, 0.0)
-    method = Method(duration=1.2, skip="none", dt=1e-4, stride=0.0)
-    _, end = throw(barriers=(weak, probe), method=method)
-    first, second = end.crossings.energy
-    climbed = np.diff(end.crossings.position[:, 2])[0]
-
-    assert climbed > 0.0
-    assert second == pytest.approx(first - 20.0 - 2.0 * G * climbed, rel=1e-6)
-
-
-def test_way_along_a_barrier_crosses_each_corner_once():
-    # a line of many pieces through which the rock zigzags: parity decides which side it is on
-    bend = np.array([[3.0, -20.0], [3.0, 1.0], [9.0, 1.0], [9.0, 30.0]])
-    _, end = throw(barriers=(Barrier("bend", bend, np.inf, 0.0),))
-    time = np.linspace(0.0, end.time[0], 2_000_001)
-    x, y = 0.3 + 6.0 * time, 0.2 + 3.7 * time
-    beyond = ((x > 3.0) & (y < 1.0)) | (x > 9.0)
-
-    assert len(end.crossings.id) == np.count_nonzero(np.diff(beyond))
-
-
-def trunk(x=3.0, radius=0.2, top=10.0):
-    return Trees(np.array([[x, 0.0]]), np.array([radius]), np.array([top]), np.array([0.5]))
-
-
-def test_ball_stops_at_a_trunk_and_flies_over_a_stump():
-    method = Method(duration=0.6, dt=1e-4)
-    begin = starts([[0.0, 0.0, 4.0]], velocity=[10.0, 0, 0])
-    stopped = flown(site_on(plane(size=30), HARD, trees=trunk()), [ball(0.3)], method, begin)
-    over = flown(site_on(plane(size=30), HARD, trees=trunk(top=2.0)), [ball(0.3)], method, begin)
-
-    assert stopped.position[0, 0] == pytest.approx(3.0 - 0.2 - 0.3, abs=2e-3)
-    assert over.position[0, 0] == pytest.approx(10.0 * over.time[0], rel=1e-12)
-
-
-def test_thin_trunk_meets_the_edge_between_two_vertices():
-    # no vertex of the cube comes near the trunk: its upright face does, by its two level edges
-    method = Method(duration=0.5, dt=1e-4)
-    begin = starts([[0.0, 0.0, 4.0]], velocity=[10.0, 0, 0])
-    site = site_on(plane(size=30), HARD, trees=trunk(radius=0.1))
-    end = flown(site, [box((1.0, 1.0, 1.0))], method, begin)
-
-    assert end.position[0, 0] < 3.0 - 0.1 - 0.45
 
 
 def forest(drag, height):

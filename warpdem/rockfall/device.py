@@ -223,7 +223,8 @@ def _rules(site: Site, method: Method) -> Rules:
         setattr(rules, name, getattr(method, name))
     rules.sweeps, rules.accelerate_from = method.sweeps, method.accelerate_from
     rules.rest_time, rules.rest_move = method.rest_time, method.rest_move
-    rules.travel = TRAVEL_CELLS * site.results.cell
+    rules.travel = min(TRAVEL_CELLS * site.results.cell, site.ground.reach)
+    rules.falling = float(np.sqrt(rules.travel / max(np.linalg.norm(method.gravity), 1e-9)))
     return rules
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from warpdem.rockfall.flights import COUNTS, MEASURES, Crossings, Flights, Visits
+from warpdem.errors import UnstableError
+from warpdem.rockfall.flights import COUNTS, MEASURES, Crossings, Fate, Flights, Visits
 from warpdem.rockfall.samples import sample_of
 
 if TYPE_CHECKING:
@@ -40,8 +41,21 @@ class Endings:
         self.crossings: list[Records] = []
 
     def flights(self, starts: Starts) -> Flights:
-        """All of them, in the order of their starts."""
+        """All of them, in the order of their starts.
+
+        Raises:
+            UnstableError: The motion of one ceased to be finite.
+        """
         end = sample_of(self.motion)
+        broken = np.flatnonzero(self.fate == Fate.BROKEN)
+        if len(broken):
+            number, time = int(starts.id[broken[0]]), float(end.time[broken[0]])
+            raise UnstableError(
+                f"trajectory {number}: its motion ceased to be finite at t = {time:.6g} s; look at "
+                "its start and its rock, or take a smaller run.dt and run.stride",
+                body=f"trajectory {number}",
+                time=time,
+            )
         return Flights(
             id=starts.id,
             release=starts.release,

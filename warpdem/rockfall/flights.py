@@ -18,6 +18,7 @@ class Fate(IntEnum):
     LEFT = 2  # the known ground
     TIMEOUT = 3
     CAUGHT = 4  # by a barrier
+    BROKEN = 5  # its motion is not finite: an error, not a result
 
 
 @dataclass(frozen=True)

@@ -101,6 +101,7 @@ class Trajectories:
 
         Raises:
             Stopped: ``stop`` said so.
+            UnstableError: The motion of a rock ceased to be finite.
         """
         count = len(starts.id)
         ended = Endings(count, *(kind.numpy_dtype() for kind in (Motion, Visit, Crossing)))
