@@ -70,6 +70,7 @@ class Parts(NamedTuple):
     lift: bool
     jumps: bool  # free flight in long stretches
     sphere: bool  # no vertices while the bounding sphere is clear
+    fused: bool  # multiplications and additions fused on the CPU too
 
     @property
     def ground(self) -> wp.Function:

@@ -40,7 +40,7 @@ from warpdem.kernels.passages import (
 )
 from warpdem.kernels.precision import real
 from warpdem.kernels.rotation import arc
-from warpdem.kernels.variant import inlined, variant
+from warpdem.kernels.variant import fused, inlined, variant
 
 # squared speed beyond which nothing is computed [m^2/s^2]
 FASTEST = wp.constant(real(1.0e100))
@@ -123,8 +123,9 @@ def advance(parts: Parts) -> wp.Kernel:
     onward = one_pass(parts)
     watch = observe(ground, visits=parts.visits)
     barriers = cross_barriers(ground)
+    build = fused if parts.fused else variant
 
-    @variant
+    @build
     def advance(
         # model
         terrain: Terrain,

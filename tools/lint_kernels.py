@@ -50,7 +50,7 @@ def imported(node: ast.AST) -> list[str]:
 
 def is_kernel(node: ast.FunctionDef) -> bool:
     """Whether a function is decorated as a kernel."""
-    return any(ast.unparse(d) in {"variant", "plain"} for d in node.decorator_list)
+    return any(ast.unparse(d) in {"variant", "build", "plain"} for d in node.decorator_list)
 
 
 def kernel_problems(path: Path, node: ast.FunctionDef, lines: list[str]) -> list[str]:

@@ -29,7 +29,7 @@ import warpdem
 from warpdem.rockfall.flights import COUNTS, MEASURES, Fate, Method
 from warpdem.rockfall.rock import Rock
 from warpdem.rockfall.site import Facets, Ground, Stand
-from warpdem.rockfall.trajectories import Stopped, Trajectories
+from warpdem.rockfall.trajectories import Stopped
 
 SCENES = Path(__file__).resolve().parents[2] / "scenes"
 
@@ -96,8 +96,8 @@ def test_results_do_not_depend_on_which_rocks_fly_together(bundle):
 
 def test_bounding_sphere_skips_vertices_without_changing_anything(bundle):
     site, rocks, method, begin, _ = bundle
-    every = flown(site, rocks, replace(method, skip="none"), begin)
-    skipped = flown(site, rocks, replace(method, skip="sphere"), begin)
+    every = flown(site, rocks, replace(method, skip="none"), begin, fused=False)
+    skipped = flown(site, rocks, replace(method, skip="sphere"), begin, fused=False)
 
     assert np.array_equal(every.position, skipped.position)
     assert np.array_equal(every.visits.energy, skipped.visits.energy)
@@ -120,9 +120,10 @@ def test_unconverged_steps_are_rare_and_counted(bundle):
 
 
 def test_what_no_rock_comes_near_changes_nothing(bundle):
-    _, rocks, method, begin, whole = bundle
+    site, rocks, method, begin, _ = bundle
+    furnished = flown(site, rocks, method, begin, fused=False)
 
-    assert_same(Trajectories(bare(waves(), HARD), rocks, method).fly(begin), whole)
+    assert_same(flown(bare(waves(), HARD), rocks, method, begin, fused=False), furnished)
 
 
 def test_following_a_rock_ends_where_it_fell(bundle):

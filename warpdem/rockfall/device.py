@@ -54,12 +54,12 @@ class Place:
 
 
 def place_of(
-    site: Site, rocks: Sequence[Rock], method: Method, device: Any, *, visits: bool
+    site: Site, rocks: Sequence[Rock], method: Method, device: Any, *, visits: bool, fused: bool
 ) -> Place:
     """Bring a site, its rocks and the method to a device."""
     pieces = _pieces(site.barriers)
     return Place(
-        parts_of(site, rocks, method, visits=visits),
+        parts_of(site, rocks, method, visits=visits, fused=fused),
         _terrain(site, rocks, pieces, device),
         _rocks(rocks, device),
         _classes(site, device),
@@ -71,7 +71,9 @@ def place_of(
     )
 
 
-def parts_of(site: Site, rocks: Sequence[Rock], method: Method, *, visits: bool) -> Parts:
+def parts_of(
+    site: Site, rocks: Sequence[Rock], method: Method, *, visits: bool, fused: bool
+) -> Parts:
     """What the trajectories need compiled."""
     x, y, z = (float(part) for part in method.gravity)
     falls = x == y == 0.0 and z < 0.0
@@ -87,6 +89,7 @@ def parts_of(site: Site, rocks: Sequence[Rock], method: Method, *, visits: bool)
         lift=method.lift > 0.0,
         jumps=falls and method.skip == "jump",
         sphere=falls and method.skip != "none",
+        fused=fused,
     )
 
 

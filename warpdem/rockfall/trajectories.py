@@ -66,6 +66,9 @@ class Trajectories:
         slots: Rocks in motion at once; results do not depend on it.
         passes: Of a launch; results do not depend on it either.
         visits: Whether to record the cells passed.
+        fused: Whether multiplications and additions are fused on the CPU, which makes it a third
+            faster. Without, what a site lacks does not change a bit of the motion; with, it rounds
+            differently.
     """
 
     def __init__(
@@ -78,9 +81,10 @@ class Trajectories:
         slots: int = 128,
         passes: int = PASSES,
         visits: bool = True,
+        fused: bool = True,
     ) -> None:
         self.device = find_device(device) if isinstance(device, str) else device
-        self._place = place_of(site, rocks, method, self.device, visits=visits)
+        self._place = place_of(site, rocks, method, self.device, visits=visits, fused=fused)
         self._passes = passes
         self._room = slots
         self._slots = self._allocate(slots)
