@@ -12,6 +12,7 @@ from warpdem.errors import Problem, SceneError
 from warpdem.input.decode import load
 from warpdem.rockfall.flights import Starts
 from warpdem.rockfall.rock import Rock
+from warpdem.rockfall.task import prepared
 
 EAST, NORTH = 2790000.0, 1180000.0
 WEST = [[EAST, NORTH], [EAST + 5, NORTH], [EAST + 5, NORTH + 8], [EAST, NORTH + 8]]
@@ -163,6 +164,25 @@ def test_check_misses_what_a_format_needs(scene, monkeypatch):
     monkeypatch.setattr("warpdem.rockfall.prepare.find_spec", lambda name: None)
     changed = load(scene.source, ['output.formats=["tif"]'])
     assert "pip install 'warpdem[geo]'" in str(check(changed).problems[-1])
+
+
+@pytest.mark.parametrize("system", ["banana", "EPSG:99999999", "EPSG:one"])
+def test_a_geotiff_needs_a_reference_system_there_is(scene, system):
+    pytest.importorskip("rasterio")
+    wanted = [f"terrain.crs={system}", 'output.formats=["asc", "tif"]']
+    words = f'terrain.crs = "{system}": no known reference system'
+    (problem,) = [p for p in check(load(scene.source, wanted)).problems if "crs" in str(p)]
+    assert words in str(problem)
+    assert 'give a code such as "EPSG:2056"' in str(problem)
+    with pytest.raises(SceneError) as caught:
+        prepared(load(scene.source, wanted), "cpu", "")
+    assert words in str(caught.value)
+
+
+def test_without_geotiff_no_reference_system_is_looked_up(scene):
+    for other in ('output.formats=["asc"]', "output.rasters=false"):
+        wanted = ["terrain.crs=banana", 'output.formats=["tif"]', other]
+        assert "banana" not in str(check(load(scene.source, wanted)).problems)
 
 
 def test_a_barrier_from_edge_to_edge_lies_on_the_terrain(scene):
