@@ -1,5 +1,6 @@
 import subprocess
 import sys
+from itertools import combinations
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
@@ -77,7 +78,8 @@ class StandIn:
 def block(vertices=24):
     corners = np.random.default_rng(0).normal(size=(vertices, 3))
     none = np.zeros((0, 3))
-    return Rock("block", corners, 0.0, none[:, :2], 500.0, np.ones(3), none, none)
+    pairs = np.array([*combinations(range(vertices), 2)])
+    return Rock("block", corners, 0.0, pairs, 500.0, np.ones(3), none, none)
 
 
 @pytest.fixture
@@ -220,3 +222,11 @@ def test_checking_rockfall_does_not_load_warp():
     code = "import sys, warpdem.checks.rockfall, warpdem.rockfall.bodies; "
     code += "sys.exit('warp' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_check_doubts_gaps_large_rocks_and_starts_within_trunks(scene):
+    trunk = f"tree=[{{position=[{EAST + 5}, {NORTH + 5}], diameter=0.5, height=9, mu=0.4}}]"
+    gap, size, *trunks = check(load(scene.source, [trunk])).warnings[-4:]
+    assert gap.startswith("4 cells without data")
+    assert size.startswith('rock "block" is')
+    assert len(trunks) == 2
