@@ -26,6 +26,9 @@ class Plane(Ground):
         gone = (np.maximum(np.abs(x), np.abs(y)) > 50.0) | (np.asarray(x) > 30.0)
         return np.where(gone, np.nan, SLOPE[0] * x + SLOPE[1] * y)
 
+    def slopes(self, x, y):
+        return tuple(np.full(np.shape(x), slope) for slope in SLOPE)
+
 
 def site(origin=ORIGIN):
     known = np.ones((100, 100), bool)

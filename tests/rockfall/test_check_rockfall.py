@@ -1,5 +1,6 @@
 import subprocess
 import sys
+from itertools import combinations
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
@@ -12,6 +13,7 @@ from warpdem.errors import Problem, SceneError
 from warpdem.input.decode import load
 from warpdem.rockfall.flights import Starts
 from warpdem.rockfall.rock import Rock
+from warpdem.rockfall.task import prepared
 
 EAST, NORTH = 2790000.0, 1180000.0
 WEST = [[EAST, NORTH], [EAST + 5, NORTH], [EAST + 5, NORTH + 8], [EAST, NORTH + 8]]
@@ -76,7 +78,8 @@ class StandIn:
 def block(vertices=24):
     corners = np.random.default_rng(0).normal(size=(vertices, 3))
     none = np.zeros((0, 3))
-    return Rock("block", corners, 0.0, none[:, :2], 500.0, np.ones(3), none, none)
+    pairs = np.array([*combinations(range(vertices), 2)])
+    return Rock("block", corners, 0.0, pairs, 500.0, np.ones(3), none, none)
 
 
 @pytest.fixture
@@ -165,6 +168,25 @@ def test_check_misses_what_a_format_needs(scene, monkeypatch):
     assert "pip install 'warpdem[geo]'" in str(check(changed).problems[-1])
 
 
+@pytest.mark.parametrize("system", ["banana", "EPSG:99999999", "EPSG:one"])
+def test_a_geotiff_needs_a_reference_system_there_is(scene, system):
+    pytest.importorskip("rasterio")
+    wanted = [f"terrain.crs={system}", 'output.formats=["asc", "tif"]']
+    words = f'terrain.crs = "{system}": no known reference system'
+    (problem,) = [p for p in check(load(scene.source, wanted)).problems if "crs" in str(p)]
+    assert words in str(problem)
+    assert 'give a code such as "EPSG:2056"' in str(problem)
+    with pytest.raises(SceneError) as caught:
+        prepared(load(scene.source, wanted), "cpu", "")
+    assert words in str(caught.value)
+
+
+def test_without_geotiff_no_reference_system_is_looked_up(scene):
+    for other in ('output.formats=["asc"]', "output.rasters=false"):
+        wanted = ["terrain.crs=banana", 'output.formats=["tif"]', other]
+        assert "banana" not in str(check(load(scene.source, wanted)).problems)
+
+
 def test_a_barrier_from_edge_to_edge_lies_on_the_terrain(scene):
     across = f"barrier.0.line=[[{EAST + 5}, {NORTH - 3}], [{EAST + 5}, {NORTH + 20}]]"
     assert not any("barrier" in text for text in check(load(scene.source, [across])).warnings)
@@ -200,3 +222,11 @@ def test_checking_rockfall_does_not_load_warp():
     code = "import sys, warpdem.checks.rockfall, warpdem.rockfall.bodies; "
     code += "sys.exit('warp' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_check_doubts_gaps_large_rocks_and_starts_within_trunks(scene):
+    trunk = f"tree=[{{position=[{EAST + 5}, {NORTH + 5}], diameter=0.5, height=9, mu=0.4}}]"
+    gap, size, *trunks = check(load(scene.source, [trunk])).warnings[-4:]
+    assert gap.startswith("4 cells without data")
+    assert size.startswith('rock "block" is')
+    assert len(trunks) == 2

@@ -2,6 +2,7 @@
 
 import errno
 from dataclasses import fields, is_dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,7 +22,8 @@ from warpdem.rockfall.chunks import (
     read,
 )
 from warpdem.rockfall.fingerprint import decisive, fingerprint
-from warpdem.rockfall.finish import chosen_ids
+from warpdem.rockfall.finish import chosen_ids, followed
+from warpdem.rockfall.task import CUDA_SLOTS, Work
 
 PLAN = Plan(count=25, size=10)
 KEYS = {"run.seed": 1}
@@ -187,3 +189,20 @@ def test_chosen_trajectories_are_the_first_or_those_listed():
     assert chosen_ids(3, 2) == [0, 1]
     assert chosen_ids((7, 1, 7, 90), 10) == [1, 7]
     assert chosen_ids(0, 10) == []
+
+
+def test_drawn_trajectories_take_as_many_slots_as_they_are_and_never_more_than_a_thread_has():
+    given = []
+
+    def make(site, rocks, method, *, device, slots):
+        given.append(slots)
+        return SimpleNamespace(load=lambda: None, follow=lambda starts, every: [])
+
+    work = Work(skating.SITE, (), skating.Method(1.0), "cuda:0", "", make, skating.Passages.of)
+    output = SimpleNamespace(trajectories=(2, 5, 900), trajectory_every=0.1)
+    none = SimpleNamespace(id=(), rock=())
+    releases = SimpleNamespace(count=10, starts=lambda ids: none)
+    followed(SimpleNamespace(output=output), SimpleNamespace(work=work, releases=releases))
+    for slots in (None, CUDA_SLOTS + 1):
+        work.flyer(slots)
+    assert given == [2, CUDA_SLOTS, CUDA_SLOTS]

@@ -4,7 +4,7 @@ from grids import waves
 
 from warpdem.errors import GeometryError
 from warpdem.rockfall.facets import facet_ground
-from warpdem.rockfall.heights import height_at, origin_of
+from warpdem.rockfall.heights import height_at, origin_of, slopes_at
 
 AWAY = np.array([2790000.0, 1180000.0, 1500.0])
 
@@ -112,3 +112,17 @@ def test_a_closed_solid_is_no_ground():
     a, b, c, d = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 3]], float)
     with pytest.raises(GeometryError, match="overhangs"):
         ground_of(np.array([a, b, c, d]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+
+
+def test_slopes_are_those_of_the_triangle_under_a_point():
+    points, triangles = sheet(6, 7, lambda x, y: np.sin(x) * np.cos(1.3 * y), jitter=0.3)
+    ground = ground_of(points, triangles)
+    corner = ground.facets.points[ground.facets.triangles]
+    x, y = corner.mean(axis=1)[:, :2].T  # a triangle is linear about its middle
+    along_x, along_y = slopes_at(ground, x, y)
+    step = 1e-3
+    rise = ground.height(x + step, y) - ground.height(x - step, y)
+    assert along_x == pytest.approx(rise / (2 * step), abs=1e-9)
+    rise = ground.height(x, y + step) - ground.height(x, y - step)
+    assert along_y == pytest.approx(rise / (2 * step), abs=1e-9)
+    assert np.isnan(slopes_at(ground, np.array([-9.0, 99.0]), np.array([1.0, 1.0]))).all()

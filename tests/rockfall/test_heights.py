@@ -4,7 +4,13 @@ from grids import waves, write_asc
 
 from warpdem.errors import GeometryError
 from warpdem.geometry.terrain import raster_of, read_raster
-from warpdem.rockfall.heights import corner_slope, height_at, origin_of, raster_ground
+from warpdem.rockfall.heights import (
+    corner_slope,
+    height_at,
+    origin_of,
+    raster_ground,
+    slopes_at,
+)
 
 EAST, NORTH = 2790123.375, 1180456.625
 
@@ -127,3 +133,27 @@ def test_steep_bounds_every_rise_within_reach():
     far = np.hypot(start[:, 0] - 21.5, start[:, 1] - 28.0) > 7.0
     assert (bounded | np.isnan(rise) | ~far).all()
     assert np.isfinite(rise[far]).mean() > 0.9
+
+
+def test_slopes_are_those_of_the_patch_under_a_point():
+    rng = np.random.default_rng(6)
+    ground = ground_of(raster_of(waves(7, 9, seed=8), EAST, NORTH, 2.0))
+    cell, inside = rng.integers(0, [8, 6], (500, 2)), rng.uniform(0.1, 0.9, (500, 2))
+    x, y = (np.array([ground.grid.x, ground.grid.y]) + 2.0 * (cell + inside)).T
+    step = 0.05  # a patch is linear along each axis
+    along_x, along_y = slopes_at(ground, x, y)
+    rise = ground.height(x + step, y) - ground.height(x - step, y)
+    assert along_x == pytest.approx(rise / (2 * step), abs=1e-10)
+    rise = ground.height(x, y + step) - ground.height(x, y - step)
+    assert along_y == pytest.approx(rise / (2 * step), abs=1e-10)
+    assert np.isnan(slopes_at(ground, np.array([-1.0]), np.array([1.0]))).all()
+    steepest = ground.steep.reshape(-1)[ground.grid.index(x, y)]
+    assert np.all(np.hypot(along_x, along_y) <= steepest * (1 + 1e-12))
+
+
+def test_slopes_have_the_shape_of_the_points():
+    x, y = np.meshgrid(np.arange(5.0), np.arange(4.0))
+    ground = ground_of(raster_of(2.0 * x + 3.0 * y[::-1], 0.0, 0.0, 1.0))
+    along_x, along_y = slopes_at(ground, x, y)
+    assert (along_x == np.full(x.shape, 2.0)).all()
+    assert (along_y == np.full(x.shape, 3.0)).all()

@@ -24,12 +24,13 @@ def starts(*sections, n=1000, **other):
 
 
 def clearance(start, rocks):
-    """Of the lowest point of each rock above the plane [m]."""
+    """Of the lowest point of each rock above the plane, along the vertical [m]."""
+    steepness = np.sqrt(1.0 + SLOPE @ SLOPE)
     least = np.empty(len(start.id))
     for row, number in enumerate(start.rock):
         rock = rocks[number]
         points = rock.vertices @ matrix(start.orientation[row]).T + start.position[row]
-        height = points[:, 2] - rock.rounding - points[:, :2] @ SLOPE
+        height = points[:, 2] - rock.rounding * steepness - points[:, :2] @ SLOPE
         ground = points[:, 0] <= 30.0
         least[row] = height[ground].min()
     return least

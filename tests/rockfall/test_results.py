@@ -1,12 +1,15 @@
 """All files of a set of trajectories, read back."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import pyvista
 from fields import ORIGIN, flights, rock, site
+from slopes import ground_of
 
+from warpdem.output.flight_lines import TRACE_COLUMNS, flight_lines, trace_rows
 from warpdem.output.rockfall_results import Wanted, write_results
 from warpdem.rockfall.tally import Tally, total
 from warpdem.rockfall.trace import Trace
@@ -80,6 +83,20 @@ def test_lines_carry_values_at_their_points_and_the_origin(results):
     turning = 0.5 * (22.0 * 4.0 + 42.0 * 1.0)
     np.testing.assert_allclose(lines.point_data["energy"], 250.0 * 125.0 + turning)
     assert len(table(results[0] / "trajectories.csv")) == 22
+
+
+def test_the_height_above_unknown_ground_is_an_empty_field_and_nan_on_lines():
+    ground = ground_of(np.zeros((13, 4)), cell=10.0)  # the way ends beyond it
+    here = replace(HERE, ground=ground)
+    way = trace(0)
+    read = list(csv.DictReader([TRACE_COLUMNS, *trace_rows(way, here, ROCKS)]))
+    known = way.position[:, 0] <= 30.0
+    assert known.sum() == 6
+    assert [row["jump"] for row in read] == [*(f"{z:.9g}" for z in way.position[:6, 2]), *[""] * 5]
+    assert {row["contact"] for row in read} == {"0"}
+    jump = flight_lines([way], here, ROCKS).GetPointData().GetArray("jump")
+    last = [jump.GetValue(k) for k in range(11)]
+    np.testing.assert_allclose(last, np.where(known, way.position[:, 2], np.nan))
 
 
 def test_terrain_and_rocks_are_surfaces_in_local_coordinates(results):

@@ -244,6 +244,22 @@ def test_what_stands_is_complete():
     }
 
 
+def test_every_piece_of_a_barrier_has_a_length():
+    line = [[2.5, 1], [2.5, 1.0], [3, 1], [2.5, 1], [2.5, 1]]
+    found = rules(barrier=[{"name": "a", "line": line}, {"name": "b", "line": [[0, 0], [1, 0]]}])
+    rule = "the same point as the one before: leave it out"
+    assert found == {"barrier.0.line.1": rule, "barrier.0.line.4": rule}
+    with pytest.raises(ValueError, match=r"barrier\.0\.line\.1\n.*the same point"):
+        Scene(**tables(barrier=[{"name": "a", "line": line[:3]}]))
+
+
+def test_a_rock_is_lifted_against_gravity():
+    run = {**RUN, "lift": 0.2}
+    assert "needs gravity" in rules(run=run, gravity={"vector": [0, 0, 0]})["run.lift"]
+    assert rules(run=run, gravity={"vector": [0, 0, -1]}) == rules(run=run) == {}
+    assert rules(gravity={"vector": [0, 0, 0]}) == {}
+
+
 def test_trajectories_are_a_number_or_a_list():
     assert Scene(**tables()).output.trajectories == 50
     chosen = Scene(**tables(output={"trajectories": np.array([3, 7])}))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpdem.checks.rockfall_doubts import gaps, in_trunks, large_rocks
 from warpdem.checks.rockfall_report import (
     CELL_BYTES,
     RESULT_BYTES,
@@ -74,7 +75,13 @@ def check_rockfall(scene: Scene) -> RockfallReport:
         disk=RASTERS * cells * sum(FILE_BYTES[one] for one in scene.output.formats)
         if scene.output.rasters
         else 0,
-        warnings=(*_warnings(scene, site), *_undrawn(scene, count)),
+        warnings=(
+            *_warnings(scene, site),
+            *gaps(site),
+            *large_rocks(site, rocks),
+            *(in_trunks(site, rocks, starts, releases=bool(scene.release)) if starts else ()),
+            *_undrawn(scene, count),
+        ),
         problems=tuple(problems),
     )
 

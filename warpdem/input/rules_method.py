@@ -164,4 +164,12 @@ def _obstacles(scene: Any) -> Iterator[Fault]:
             yield Fault(("body", index, "fixed"), True, rule)
 
 
-METHOD_RULES = (smooth_alone, rockfall_alone, ground, rocks)
+def lift_with_weight(scene: Any) -> Iterator[Fault]:
+    """What a rock is lifted costs it potential energy, which there must be."""
+    lift = number(read(scene, "run"), "lift")
+    if nonsmooth(scene) and lift and numbers(read(scene, "gravity"), "vector", 3) == [0.0] * 3:
+        rule = "needs gravity, against which a rock is lifted: set gravity.vector, or leave it out"
+        yield Fault(("run", "lift"), lift, rule)
+
+
+METHOD_RULES = (smooth_alone, rockfall_alone, ground, rocks, lift_with_weight)

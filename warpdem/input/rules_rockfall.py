@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import fsum
 from typing import TYPE_CHECKING, Any
 
-from warpdem.input.scene_reading import Fault, Path, entries, number, read, tables, text
+from warpdem.input.scene_reading import (
+    Fault,
+    Path,
+    entries,
+    number,
+    read,
+    tables,
+    text,
+)
 from warpdem.input.suggestions import did_you_mean
 from warpdem.rockfall.classes import NEEDED, PUBLISHED
 
@@ -169,6 +178,15 @@ def standing(scene: Any) -> Iterator[Fault]:
             )
 
 
+def barrier_lines(scene: Any) -> Iterator[Fault]:
+    """Every piece of a barrier's line has a length."""
+    for index, barrier in tables(scene, "barrier"):
+        for k, (before, point) in enumerate(pairwise(entries(barrier, "line")), start=1):
+            if isinstance(point, list | tuple) and point == before:
+                rule = "the same point as the one before: leave it out"
+                yield Fault(("barrier", index, "line", k), [*point], rule)
+
+
 ROCKFALL_RULES = (
     known_classes,
     own_classes,
@@ -176,4 +194,5 @@ ROCKFALL_RULES = (
     ground_files,
     terrain_file,
     standing,
+    barrier_lines,
 )

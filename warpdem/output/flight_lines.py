@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 TRACE_COLUMNS = "id,rock,t,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz,energy,jump,contact"
 """Numbers from 0, s, national [m], principal axes to the world, m/s, rad/s in world axes, kinetic
-energy [J], height of the centre above ground [m], 0 or 1."""
+energy [J], height of the centre above ground [m], 0 or 1. The height is empty where the ground is
+unknown, as below the end of a rock that left it."""
 
 _NATIONAL = "%.6f,%.6f,%.6f"
 
@@ -33,15 +35,15 @@ def trace_rows(trace: Trace, site: Site, rocks: Sequence[Rock]) -> Iterator[str]
             trace.velocity,
             trace.spin,
             trace.energy(rocks[trace.rock]),
-            _jump(trace, site),
         ]
     )
     return rows(
-        f"{trace.id},{trace.rock},%.9g,{_NATIONAL}" + ",%.9g" * reals.shape[1] + ",%d",
+        f"{trace.id},{trace.rock},%.9g,{_NATIONAL}" + ",%.9g" * reals.shape[1] + ",%s,%d",
         [
             trace.time.tolist(),
             *listed(trace.position + site.origin),
             *listed(reals),
+            ["" if isnan(height) else f"{height:.9g}" for height in _jump(trace, site).tolist()],
             trace.contact.tolist(),
         ],
     )
@@ -53,7 +55,8 @@ def flight_lines(traces: Sequence[Trace], site: Site, rocks: Sequence[Rock]) -> 
     Points are local coordinates, and the field "origin" gives what national ones are more: graphics
     cards know seven digits, and a filter that rounds to them would shake national coordinates by a
     quarter of a metre. Point data: time [s], speed [m/s], velocity, energy (kinetic) [J], jump
-    (height of the centre above ground) [m], spin (rate) [rad/s], contact. Cell data: id, rock.
+    (height of the centre above ground) [m], spin (rate) [rad/s], contact; jump is NaN where the
+    ground is unknown. Cell data: id, rock.
     """
     from warpdem.output import vtu  # noqa: PLC0415 - loads VTK, which few runs need
 

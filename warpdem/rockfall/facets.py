@@ -178,28 +178,42 @@ def _covered(facets: Facets, grid: Grid) -> BoolArray:
 
 def height_at(facets: Facets, grid: Grid, x: FloatArray, y: FloatArray) -> FloatArray:
     """Height of the triangle under each point [m], NaN where there is none; shape [n]."""
-    return np.concatenate(
-        [np.zeros(0)]
-        + [
-            _heights(facets, grid, x[begin : begin + _AT_ONCE], y[begin : begin + _AT_ONCE])
-            for begin in range(0, len(x), _AT_ONCE)
-        ]
-    )
+    height = np.full(len(x), np.nan)
+    for begin in range(0, len(x), _AT_ONCE):
+        at = slice(begin, begin + _AT_ONCE)
+        height[at] = _heights(facets, grid, x[at], y[at])
+    return height
+
+
+def slopes_at(facets: Facets, grid: Grid, x: FloatArray, y: FloatArray) -> FloatArray:
+    """Slopes dh/dx, dh/dy of the triangle under each point, NaN without one; shape [n, 2]."""
+    slopes = np.full((len(x), 2), np.nan)
+    for begin in range(0, len(x), _AT_ONCE):
+        at = slice(begin, begin + _AT_ONCE)
+        point, triangle = _under(facets, grid, x[at], y[at])
+        normal = _normals(facets.points, facets.triangles[triangle])
+        slopes[begin + point] = -normal[:, :2] / normal[:, 2:]
+    return slopes
 
 
 def _heights(facets: Facets, grid: Grid, x: FloatArray, y: FloatArray) -> FloatArray:
-    point, triangle, depth = _candidates(facets, grid, x, y)
-    order = np.lexsort((-depth, point))  # the triangle a point lies deepest in comes first
-    point, triangle, depth = point[order], triangle[order], depth[order]
-    best = np.flatnonzero(np.diff(point, prepend=-1) > 0)
-    best = best[depth[best] >= -_NEAR]
-    point, triangle = point[best], triangle[best]
+    point, triangle = _under(facets, grid, x, y)
     corner = facets.points[facets.triangles[triangle, 0]]
     normal = _normals(facets.points, facets.triangles[triangle])
     rise = (x[point] - corner[:, 0]) * normal[:, 0] + (y[point] - corner[:, 1]) * normal[:, 1]
     height = np.full(len(x), np.nan)
     height[point] = corner[:, 2] - rise / normal[:, 2]
     return height
+
+
+def _under(facets: Facets, grid: Grid, x: FloatArray, y: FloatArray) -> tuple[IntArray, IntArray]:
+    """Points that have a triangle under them, and that triangle."""
+    point, triangle, depth = _candidates(facets, grid, x, y)
+    order = np.lexsort((-depth, point))  # the triangle a point lies deepest in comes first
+    point, triangle, depth = point[order], triangle[order], depth[order]
+    best = np.flatnonzero(np.diff(point, prepend=-1) > 0)
+    best = best[depth[best] >= -_NEAR]
+    return point[best], triangle[best]
 
 
 def _candidates(

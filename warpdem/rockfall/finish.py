@@ -58,7 +58,7 @@ def followed(scene: Scene, prepared: Prepared) -> list[Trace]:
     if not chosen:
         return []
     starts = prepared.releases.starts(np.array(chosen, dtype=np.int64))
-    samples = prepared.work.flyer().follow(starts, scene.output.trajectory_every)
+    samples = prepared.work.flyer(len(chosen)).follow(starts, scene.output.trajectory_every)
     return [
         Trace(id=int(number), rock=int(rock), **vars(sample))
         for number, rock, sample in zip(starts.id, starts.rock, samples, strict=True)

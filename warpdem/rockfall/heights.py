@@ -12,7 +12,7 @@ from warpdem.rockfall.neighbours import REACH, around
 from warpdem.rockfall.site import Grid, Ground
 
 if TYPE_CHECKING:
-    from warpdem.arrays import FloatArray
+    from warpdem.arrays import BoolArray, FloatArray
     from warpdem.geometry.terrain import Raster
 
 
@@ -80,18 +80,47 @@ def height_at(ground: Ground, x: FloatArray, y: FloatArray) -> FloatArray:
     if ground.facets is not None:
         plan = facets.height_at(ground.facets, ground.grid, x.reshape(-1), y.reshape(-1))
         return plan.reshape(x.shape)
-    assert ground.heights is not None
-    return _bilinear(ground.heights, ground.grid, x, y)
+    (southwest, southeast, northwest, northeast), a, b, inside = _patches(ground, x, y)
+    west = (1.0 - b) * southwest + b * northwest
+    east = (1.0 - b) * southeast + b * northeast
+    return np.where(inside, (1.0 - a) * west + a * east, np.nan)
 
 
-def _bilinear(heights: FloatArray, grid: Grid, x: FloatArray, y: FloatArray) -> FloatArray:
+def slopes_at(ground: Ground, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Slopes dh/dx and dh/dy [-] of the ground under points, NaN where there is none.
+
+    Those of the bilinear patch or of the triangle below; the shape is that of the points.
+
+    Args:
+        ground: A raster, or triangles.
+        x: Local coordinates [m], any shape.
+        y: The others, of the same shape.
+    """
+    x, y = np.broadcast_arrays(np.asarray(x, np.float64), np.asarray(y, np.float64))
+    if ground.facets is not None:
+        found = facets.slopes_at(ground.facets, ground.grid, x.reshape(-1), y.reshape(-1))
+        return found[:, 0].reshape(x.shape), found[:, 1].reshape(x.shape)
+    (southwest, southeast, northwest, northeast), a, b, inside = _patches(ground, x, y)
+    along_x = (1.0 - b) * (southeast - southwest) + b * (northeast - northwest)
+    along_y = (1.0 - a) * (northwest - southwest) + a * (northeast - southeast)
+    east, north = (np.where(inside, rise / ground.grid.cell, np.nan) for rise in (along_x, along_y))
+    return east, north
+
+
+def _patches(
+    ground: Ground, x: FloatArray, y: FloatArray
+) -> tuple[tuple[FloatArray, ...], FloatArray, FloatArray, BoolArray]:
+    """Patches under points: heights at their corners, places in them 0 to 1, whether there is one.
+
+    The corners lie southwest, southeast, northwest, northeast; all arrays have the points' shape.
+    """
+    heights, grid = ground.heights, ground.grid
+    assert heights is not None
     along, up = (x - grid.x) / grid.cell, (y - grid.y) / grid.cell
     inside = (along >= 0.0) & (along <= grid.columns) & (up >= 0.0) & (up <= grid.rows)
     along, up = np.where(inside, along, 0.0), np.where(inside, up, 0.0)
     # the last node belongs to the last cell
     column = np.minimum(np.floor(along).astype(np.int64), grid.columns - 1)
     row = np.minimum(np.floor(up).astype(np.int64), grid.rows - 1)
-    a, b = along - column, up - row
-    west = (1.0 - b) * heights[row, column] + b * heights[row + 1, column]
-    east = (1.0 - b) * heights[row, column + 1] + b * heights[row + 1, column + 1]
-    return np.where(inside, (1.0 - a) * west + a * east, np.nan)
+    corners = tuple(heights[row + j, column + i] for j in (0, 1) for i in (0, 1))
+    return corners, along - column, up - row, inside

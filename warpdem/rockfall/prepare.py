@@ -130,8 +130,26 @@ def terrain_body(scene: Scene) -> tuple[Body, TerrainShape]:
 
 
 def lacking_formats(scene: Scene) -> list[Problem]:
-    """Formats of results that cannot be written here."""
-    if not scene.output.rasters or "tif" not in scene.output.formats or find_spec("rasterio"):
+    """Formats of results that cannot be written here, or not in the scene's reference system."""
+    if not scene.output.rasters or "tif" not in scene.output.formats:
         return []
-    rule = "\"tif\" needs rasterio: pip install 'warpdem[geo]', or leave it out"
-    return [problem_at(scene, ("output", "formats"), rule)]
+    if not find_spec("rasterio"):
+        rule = "\"tif\" needs rasterio: pip install 'warpdem[geo]', or leave it out"
+        return [problem_at(scene, ("output", "formats"), rule)]
+    crs = scene.terrain.crs if scene.terrain else None
+    fault = _unknown_system(crs) if crs else ""
+    return [problem_at(scene, ("terrain", "crs"), fault, value=crs)] if fault else []
+
+
+def _unknown_system(crs: str) -> str:
+    """Why a GeoTIFF cannot carry a reference system; empty when it can."""
+    from rasterio.crs import CRS  # noqa: PLC0415 - an extra, and it loads GDAL
+
+    try:
+        CRS.from_user_input(crs)
+    except ValueError as fault:  # of which rasterio's own are
+        return (
+            f'no known reference system, which "tif" of output.formats must carry ({fault}); give '
+            'a code such as "EPSG:2056", or leave it or "tif" out'
+        )
+    return ""

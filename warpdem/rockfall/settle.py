@@ -27,8 +27,8 @@ def resting_height(
 ) -> FloatArray:
     """Height of the centre of mass at which the lowest point of a rock clears the ground [m].
 
-    Each vertex, lower by the rounding, is held against the ground under it; those over no ground
-    do not count.
+    Each vertex is held against the ground under it, as a contact of the trajectory is: the ball
+    of the rounding about it touches the tangent plane. Those over no ground do not count.
 
     Args:
         ground: What is under it.
@@ -42,8 +42,17 @@ def resting_height(
     for a, b, c in rock.vertices.tolist():
         # sums term by term: the order of others may depend on the number of rocks
         x, y, z = (turn[:, k, 0] * a + turn[:, k, 1] * b + turn[:, k, 2] * c for k in range(3))
-        np.fmax(rise, ground.height(plan[:, 0] + x, plan[:, 1] + y) - z, out=rise)
+        x, y = plan[:, 0] + x, plan[:, 1] + y
+        np.fmax(rise, ground.height(x, y) + _ball_height(ground, rock, x, y) - z, out=rise)
     nowhere = np.isneginf(rise)
     if nowhere.any():
         rise[nowhere] = ground.height(plan[nowhere, 0], plan[nowhere, 1]) + rock.bound
-    return rise + rock.rounding + clearance
+    return rise + clearance
+
+
+def _ball_height(ground: Ground, rock: Rock, x: FloatArray, y: FloatArray) -> FloatArray | float:
+    """How high above the ground the middle of a ball of the rounding is that touches it [m]."""
+    if rock.rounding == 0.0:
+        return 0.0
+    along_x, along_y = ground.slopes(x, y)
+    return rock.rounding * np.sqrt(1.0 + along_x * along_x + along_y * along_y)

@@ -80,6 +80,12 @@ class Ground:
 
         return height_at(self, x, y)
 
+    def slopes(self, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Slopes dh/dx, dh/dy of the ground under each local point [-], NaN where there is none."""
+        from warpdem.rockfall.heights import slopes_at  # noqa: PLC0415 - the two know each other
+
+        return slopes_at(self, x, y)
+
 
 @dataclass(frozen=True)
 class GroundClass:

@@ -98,10 +98,15 @@ class Work:
         """Whether a GPU flies."""
         return self.device.startswith("cuda")
 
-    def flyer(self) -> Flyer:
-        """A flyer for one thread, its kernels compiled."""
-        slots = CUDA_SLOTS if self.is_cuda else SLOTS
-        flyer = self.make(self.site, self.rocks, self.method, device=self.device, slots=slots)
+    def flyer(self, slots: int | None = None) -> Flyer:
+        """A flyer for one thread, its kernels compiled.
+
+        Args:
+            slots: Most rocks in flight at a time; there are never more than by default.
+        """
+        usual = CUDA_SLOTS if self.is_cuda else SLOTS
+        room = usual if slots is None else min(usual, slots)
+        flyer = self.make(self.site, self.rocks, self.method, device=self.device, slots=room)
         flyer.load()
         return flyer
 
