@@ -38,7 +38,8 @@ def account(chunks: Iterable[Chunk]) -> dict[str, Any]:
         for name in DOUBTFUL:
             doubtful[name] += int(np.count_nonzero(flights.counts[:, COUNTS.index(name)]))
     return {
-        "fates": {fate.name.lower(): int(fates[fate]) for fate in Fate},
+        # a broken one ends the run
+        "fates": {one.name.lower(): int(fates[one]) for one in Fate if one is not Fate.BROKEN},
         "steps": dict(zip(COUNTS, counts.tolist(), strict=True)),
         "trajectories_with": doubtful,
         "largest": dict(zip(MEASURES, measures.tolist(), strict=True)),

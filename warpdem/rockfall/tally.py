@@ -59,7 +59,7 @@ class Tally:
         key: The bins that hold samples, (4 cell + quantity) 2**13 + bin, rising, int64, shape
             [bin_count].
         count: Samples in each of them, int64, shape [bin_count].
-        fates: Trajectories by ``Fate``, int64, shape [5].
+        fates: Trajectories by ``Fate``, int64, shape [fate_count].
         counts: Sums of the ``COUNTS`` ("most_sweeps": the largest), int64.
         measures: Largest of the ``MEASURES``, float64.
     """
