@@ -124,9 +124,7 @@ class Rules:
     sweeps: int
     accelerate_from: int
     jump_angle: real
-    travel: (
-        real  # most horizontal way in one pass: what is passed is then near, and fits its buffer
-    )
+    travel: real  # most horizontal way in one pass: what it passes is near
     falling: real  # time in which a fall from rest covers half of that
     lift: real
     slop: real

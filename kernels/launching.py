@@ -7,7 +7,6 @@ from warpdem.kernels.fall_views import (
     LARGEST,
     LARGEST_COUNT,
     MOVING,
-    Crossing,
     Flights,
     Motion,
     ResultGrid,
@@ -19,7 +18,7 @@ from warpdem.kernels.fall_views import (
 )
 from warpdem.kernels.passages import larger, result_cell, values_on, way_of
 from warpdem.kernels.precision import quat, real, vec3
-from warpdem.kernels.variant import plain, variant
+from warpdem.kernels.variant import variant
 
 
 @functools.cache
@@ -75,41 +74,27 @@ def begin(ground: wp.Function) -> wp.Kernel:
     return begin
 
 
-@plain
-def pack_visits(
-    # in
-    active: wp.array(dtype=wp.int32),
-    start: wp.array(dtype=wp.int32),
-    # in and out
-    flights: Flights,
-    # out
-    owner: wp.array(dtype=wp.int32),
-    packed: wp.array(dtype=Visit),
-):
-    """The visits that ended in the last launch, slot after slot; their buffers are empty then."""
-    k = wp.tid()
-    slot = active[k]
-    for i in range(flights.visit_count[slot]):
-        owner[start[k] + i] = slot
-        packed[start[k] + i] = flights.visit[slot, i]
-    flights.visit_count[slot] = 0
+@functools.cache
+def pack(record: type) -> wp.Kernel:
+    """Kernel that lays what a launch recorded end to end, and empties its buffers."""
 
+    @variant
+    def pack(
+        # in
+        active: wp.array(dtype=wp.int32),
+        start: wp.array(dtype=wp.int32),
+        buffer: wp.array(dtype=record, ndim=2),
+        # in and out
+        count: wp.array(dtype=wp.int32),
+        # out
+        owner: wp.array(dtype=wp.int32),
+        packed: wp.array(dtype=record),
+    ):
+        k = wp.tid()
+        slot = active[k]
+        for i in range(count[slot]):
+            owner[start[k] + i] = slot
+            packed[start[k] + i] = buffer[slot, i]
+        count[slot] = 0
 
-@plain
-def pack_crossings(
-    # in
-    active: wp.array(dtype=wp.int32),
-    start: wp.array(dtype=wp.int32),
-    # in and out
-    flights: Flights,
-    # out
-    owner: wp.array(dtype=wp.int32),
-    packed: wp.array(dtype=Crossing),
-):
-    """The crossings of the last launch, slot after slot; their buffers are empty then."""
-    k = wp.tid()
-    slot = active[k]
-    for i in range(flights.crossing_count[slot]):
-        owner[start[k] + i] = slot
-        packed[start[k] + i] = flights.crossing[slot, i]
-    flights.crossing_count[slot] = 0
+    return pack

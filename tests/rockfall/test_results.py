@@ -23,7 +23,7 @@ def trace(number):
     place = np.column_stack([20 + 10 * t, 100 + 5 * number + 0 * t, 3 - 5 * t])
     velocity = np.tile([10.0, 0.0, -5.0], (11, 1))
     turn = np.tile([1.0, 0.0, 0.0, 0.0], (11, 1))
-    return Trace(number, 0, t, place, turn, velocity, 0.2 * velocity, np.zeros(11, bool))
+    return Trace(t, place, turn, velocity, 0.2 * velocity, np.zeros(11, bool), number, 0)
 
 
 @pytest.fixture(scope="module")

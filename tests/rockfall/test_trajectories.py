@@ -262,7 +262,7 @@ def test_triangles_of_a_plane_act_as_the_raster_does():
 def test_rock_that_leaves_the_ground_and_one_that_flies_over_a_hole_have_left():
     begin = starts([[0.3, 0.2, 5.0]], velocity=[20.0, 0, 10.0])
     ground = plane(size=20)
-    _, far = site_on(ground, HARD), flown(site_on(ground, HARD), [ball()], Method(60.0), begin)
+    far = flown(site_on(ground, HARD), [ball()], Method(60.0), begin)
     heights = ground.heights.copy()
     heights[18:24, 30] = np.nan
     holed = ground_of(heights, ground.grid.x, ground.grid.y)

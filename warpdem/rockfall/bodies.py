@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,7 @@ from warpdem.errors import SceneError
 from warpdem.filling.placement import place
 from warpdem.input.decode import problem_at
 from warpdem.rockfall.flights import Starts
-from warpdem.rockfall.rock import Rock
+from warpdem.rockfall.rocks import rock_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -49,7 +48,10 @@ class Bodies:
         kinds = [_kind(placement, int(body)) for body in free]
         number = {kind: k for k, kind in enumerate(dict.fromkeys(kinds))}
         solids = list(shapes.values())
-        self.rocks = tuple(_rock(solids[k], scale, density) for k, scale, density in number)
+        self.rocks = tuple(
+            rock_of(solids[k], solids[k].name, density * solids[k].volume * scale**3, scale=scale)
+            for k, scale, density in number
+        )
         self.count = len(free)
         self._starts = Starts(
             id=np.arange(len(free), dtype=np.int64),
@@ -91,30 +93,3 @@ def _refuse_concave(scene: Scene, shapes: Mapping[str, Polyhedron]) -> None:
     ]
     if problems:
         raise SceneError(str(scene.source or "scene"), problems)
-
-
-def _rock(shape: Polyhedron, scale: float, density: float) -> Rock:
-    """A convex shape at its size and density."""
-    mass = density * shape.volume * scale**3
-    skin = shape.surface
-    edges = shape.edges if len(shape.edges) else np.zeros((1, 2), np.int32)
-    return Rock(
-        name=shape.name,
-        vertices=shape.vertices * scale,
-        rounding=shape.radius * scale,
-        edges=edges,
-        mass=mass,
-        inertia=mass * shape.inertia_over_mass * scale**2,
-        skin_points=skin.points * scale,
-        skin_triangles=_fans(skin.connectivity, skin.offsets),
-    )
-
-
-def _fans(connectivity: IntArray, offsets: IntArray) -> IntArray:
-    """Triangles of convex polygons given one after the other, shape [triangle_count, 3]."""
-    fans = [
-        (connectivity[begin], connectivity[k], connectivity[k + 1])
-        for begin, end in pairwise(offsets)
-        for k in range(begin + 1, end - 1)
-    ]
-    return np.array(fans, np.int64).reshape(-1, 3)

@@ -48,7 +48,9 @@ def rocks_of(scene: Scene) -> tuple[Rock, ...]:
     return tuple(rocks)
 
 
-def rock_of(solid: Polyhedron, name: str, mass: float, notes: tuple[str, ...] = ()) -> Rock:
+def rock_of(
+    solid: Polyhedron, name: str, mass: float, notes: tuple[str, ...] = (), scale: float = 1.0
+) -> Rock:
     """The rock of a convex shape.
 
     Args:
@@ -56,16 +58,17 @@ def rock_of(solid: Polyhedron, name: str, mass: float, notes: tuple[str, ...] = 
         name: Of the rock.
         mass: [kg].
         notes: What was made of the input.
+        scale: Homothety: the rock is so many times the shape's size.
     """
     points, triangles = _skin(solid)
     return Rock(
         name=name,
-        vertices=solid.vertices,
-        rounding=solid.radius,
+        vertices=solid.vertices * scale,
+        rounding=solid.radius * scale,
         edges=solid.edges if len(solid.edges) else np.zeros((1, 2), np.int32),
         mass=mass,
-        inertia=mass * solid.inertia_over_mass,
-        skin_points=points,
+        inertia=mass * solid.inertia_over_mass * scale**2,
+        skin_points=points * scale,
         skin_triangles=triangles,
         frame_rotation=solid.frame_rotation,
         notes=notes,

@@ -8,36 +8,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.geometry.orientation import matrix
+from warpdem.rockfall.samples import Sample
 
 if TYPE_CHECKING:
-    from warpdem.arrays import BoolArray, FloatArray
+    from warpdem.arrays import FloatArray
     from warpdem.rockfall.rock import Rock
 
 
 @dataclass(frozen=True, eq=False)
-class Trace:
-    """States of one rock, the first at its start and the last at its end; local coordinates.
+class Trace(Sample):
+    """The way of one trajectory, the first state at its start and the last at its end.
 
     Attributes:
         id: Of the trajectory.
         rock: Number of the rock.
-        time: Rising [s], shape [n].
-        position: Of the centre of mass [m], shape [n, 3].
-        orientation: Unit quaternions w, x, y, z from the principal frame to the world, shape
-            [n, 4].
-        velocity: [m/s], shape [n, 3].
-        spin: [rad/s], world axes, shape [n, 3].
-        contact: Whether it touched the ground, shape [n].
     """
 
     id: int
     rock: int
-    time: FloatArray
-    position: FloatArray
-    orientation: FloatArray
-    velocity: FloatArray
-    spin: FloatArray
-    contact: BoolArray
 
     def energy(self, rock: Rock) -> FloatArray:
         """Kinetic, of translation and rotation [J], shape [n]."""

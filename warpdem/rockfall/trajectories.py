@@ -17,7 +17,7 @@ from warpdem.kernels.fall_views import (
     Window,
 )
 from warpdem.kernels.fall_views import Flights as Slots
-from warpdem.kernels.launching import begin, pack_crossings, pack_visits
+from warpdem.kernels.launching import begin, pack
 from warpdem.kernels.precision import quat, real, vec3
 from warpdem.kernels.trajectory import advance
 from warpdem.rockfall.device import TRAVEL_CELLS, place_of
@@ -93,7 +93,9 @@ class Trajectories:
 
     def load(self) -> None:
         """Load the kernels, compiling what the cache lacks."""
-        for kernel in (self._begin, self._advance, pack_visits):
+        parts = self._place.parts
+        packs = [pack(Visit)] * parts.visits + [pack(Crossing)] * parts.screens
+        for kernel in (self._begin, self._advance, *packs):
             wp.load_module(kernel.module, device=self.device)
 
     def fly(self, starts: Starts, *, stop: Callable[[], bool] | None = None) -> Flights:
@@ -202,9 +204,9 @@ class Trajectories:
     def _collect(self, active: IntArray, owner: IntArray, ended: Endings) -> None:
         """Take what the rocks passed, and those that ended, off their slots."""
         if self._place.parts.visits:
-            ended.visits.append(self._packed(pack_visits, "visit", active, owner))
+            ended.visits.append(self._packed(Visit, "visit", active, owner))
         if self._place.parts.screens:
-            ended.crossings.append(self._packed(pack_crossings, "crossing", active, owner))
+            ended.crossings.append(self._packed(Crossing, "crossing", active, owner))
         fate = self._slots.fate.numpy()
         done = active[fate[active] != Fate.MOVING]
         if len(done):
@@ -216,19 +218,19 @@ class Trajectories:
             owner[done] = -1
 
     def _packed(
-        self, kernel: wp.Kernel, name: str, active: IntArray, owner: IntArray
+        self, kind: type, name: str, active: IntArray, owner: IntArray
     ) -> tuple[IntArray, np.ndarray]:
         """Rows of ``starts`` and the records of one kind of the last launch."""
-        counts = getattr(self._slots, f"{name}_count").numpy()[active]
+        buffer, filled = getattr(self._slots, name), getattr(self._slots, f"{name}_count")
+        counts = filled.numpy()[active]
         start = np.concatenate([[0], np.cumsum(counts)])
-        kind = Visit if name == "visit" else Crossing
         total = int(start[-1])
         slot = wp.zeros(total, dtype=wp.int32, device=self.device)
         packed = wp.empty(total, dtype=kind, device=self.device)
         if total:
             first = wp.array(start[:-1].astype(np.int32), dtype=wp.int32, device=self.device)
-            given = (self._active, first, self._slots, slot, packed)
-            self._run(kernel, len(active), given)
+            given = (self._active, first, buffer, filled, slot, packed)
+            self._run(pack(kind), len(active), given)
         return owner[np.asarray(slot.numpy(), np.int64)], np.asarray(packed.numpy()).copy()
 
     def _run(self, kernel: wp.Kernel, count: int, arguments: tuple[Any, ...]) -> None:
