@@ -132,7 +132,9 @@ class RockfallReport:
             drags = ", ".join(f"{one.drag:g} kg/s up to {one.height:g} m" for one in site.stands)
             yield f"forest  {share:.3g} % of the cells: {drags}"
         if site.trees is not None:
-            yield f"trees   {len(site.trees.radius)}"
+            beside = site.trees.left_out
+            more = f"; {beside} of tables stand beside the terrain" if beside else ""
+            yield f"trees   {len(site.trees.radius)}{more}"
         for barrier in site.barriers:
             height = f"{barrier.height:g} m high" if isfinite(barrier.height) else "a line"
             takes = f", takes {barrier.capacity:g} J" if barrier.capacity else ", only records"

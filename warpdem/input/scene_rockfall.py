@@ -152,7 +152,7 @@ class Tree(Section):
 
     file: Name | None = None
     """Table with the columns x, y, diameter, height (.csv); a relative path starts at the scene's
-    folder."""
+    folder. Trees beside the terrain are left out, and counted by ``check``."""
 
 
 class Barrier(Section):

@@ -137,12 +137,14 @@ class Trees:
         radius: [m], shape [tree_count].
         top: Local height of the upper end [m], shape [tree_count].
         friction: Of a trunk [-], shape [tree_count].
+        left_out: Number of trees of tables that stand beside the ground.
     """
 
     position: FloatArray
     radius: FloatArray
     top: FloatArray
     friction: FloatArray
+    left_out: int = 0
 
 
 @dataclass(frozen=True)

@@ -39,19 +39,26 @@ def trees_of(
         problems: Takes what is wrong with them.
     """
     parts: list[FloatArray] = []
+    left_out = 0
     for index, tree in enumerate(scene.tree):
         try:
-            parts.append(_rows(scene, tree, ground, origin))
+            rows, beside = _rows(scene, tree, ground, origin)
         except GeometryError as error:
             problems.append(problem_at(scene, ("tree", index), str(error)))
+        else:
+            parts.append(rows)
+            left_out += beside
     if not parts:
         return None
     rows = np.concatenate(parts)
-    return Trees(rows[:, :2].copy(), 0.5 * rows[:, 2], rows[:, 3], rows[:, 4])
+    return Trees(rows[:, :2].copy(), 0.5 * rows[:, 2], rows[:, 3], rows[:, 4], left_out)
 
 
-def _rows(scene: Scene, tree: Tree, ground: Ground, origin: FloatArray) -> FloatArray:
-    """Local x, y, diameter, local top and friction of trees, shape [tree_count, 5]."""
+def _rows(scene: Scene, tree: Tree, ground: Ground, origin: FloatArray) -> tuple[FloatArray, int]:
+    """Local x, y, diameter, local top and friction of trees, shape [tree_count, 5].
+
+    And the number of those that stand on no ground.
+    """
     if tree.file:
         table = read_trees(scene.directory / tree.file)
     else:
@@ -62,7 +69,8 @@ def _rows(scene: Scene, tree: Tree, ground: Ground, origin: FloatArray) -> Float
     if not stands.any():
         raise GeometryError(OUTSIDE if not tree.file else f"every tree of {tree.file} {OUTSIDE}")
     top, friction = foot + table[:, 3], np.full(len(table), tree.mu)
-    return np.column_stack([place, table[:, 2], top, friction])[stands]
+    rows = np.column_stack([place, table[:, 2], top, friction])
+    return rows[stands], int((~stands).sum())
 
 
 def read_trees(path: Path) -> FloatArray:
