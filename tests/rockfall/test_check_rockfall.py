@@ -1,7 +1,7 @@
 import subprocess
 import sys
 from itertools import combinations
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from warpdem.__main__ import main
 from warpdem.checks.check import check
 from warpdem.errors import Problem, SceneError
 from warpdem.input.decode import load
+from warpdem.rockfall import releases, rocks
 from warpdem.rockfall.flights import Starts
 from warpdem.rockfall.rock import Rock
 from warpdem.rockfall.task import prepared
@@ -89,13 +90,8 @@ def scene(tmp_path, monkeypatch):
     heights[2, 8] = np.nan
     write_asc(tmp_path / "t.asc", heights, x=EAST, y=NORTH)
     (tmp_path / "s.toml").write_text(TEXT)
-    for name, entries in {
-        "releases": {"Releases": StandIn},
-        "rocks": {"rocks_of": lambda scene: (block(),)},
-    }.items():
-        module = ModuleType(name)
-        vars(module).update(entries)
-        monkeypatch.setitem(sys.modules, f"warpdem.rockfall.{name}", module)
+    monkeypatch.setattr(releases, "Releases", StandIn)
+    monkeypatch.setattr(rocks, "rocks_of", lambda scene: (block(),))
     return load(tmp_path / "s.toml")
 
 

@@ -198,8 +198,8 @@ mu = 0.3
     assert trees.radius.tolist() == [0.2, 0.3]
     assert trees.top.tolist() == [2.25 + 15.0, 1.25 + 12.0]
     assert trees.friction.tolist() == [0.5, 0.3]
-    assert trees.friction.tolist() == [0.5, 0.3]
     assert trees.left_out == 1
+
 
 def test_barriers_are_local_and_endless_without_a_height(tmp_path):
     text = f"""
