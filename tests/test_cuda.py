@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import warp as wp
-from warpdem.kernels.launching import pack_crossings, pack_visits
 
 from warpdem import Simulation, load
 from warpdem.compile import kernels_of
@@ -54,8 +53,7 @@ def test_every_kernel_compiles_for_cuda_without_a_device(scene, tmp_path):
     ["rockfall_tschamut", pytest.param("rockfall_valley", marks=pytest.mark.slow)],
 )
 def test_rockfall_compiles_for_cuda_without_a_device(scene, tmp_path):
-    flyer = prepared(load(SCENES / f"{scene}.toml"), "cpu", "").work.flyer()
-    kernels = (flyer._begin, flyer._advance, pack_visits, pack_crossings)
+    kernels = prepared(load(SCENES / f"{scene}.toml"), "cpu", "").work.flyer().kernels()
 
     for kernel in kernels:
         wp.compile_aot_module(kernel.module, arch=HOPPER_GPU, module_dir=tmp_path, use_ptx=True)

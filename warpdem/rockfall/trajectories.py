@@ -93,10 +93,14 @@ class Trajectories:
 
     def load(self) -> None:
         """Load the kernels, compiling what the cache lacks."""
+        for kernel in self.kernels():
+            wp.load_module(kernel.module, device=self.device)
+
+    def kernels(self) -> list[wp.Kernel]:
+        """The kernels that trajectories over this site launch."""
         parts = self._place.parts
         packs = [pack(Visit)] * parts.visits + [pack(Crossing)] * parts.screens
-        for kernel in (self._begin, self._advance, *packs):
-            wp.load_module(kernel.module, device=self.device)
+        return [self._begin, self._advance, *packs]
 
     def fly(self, starts: Starts, *, stop: Callable[[], bool] | None = None) -> Flights:
         """Trajectories from their starts to their ends.
