@@ -161,7 +161,7 @@ def touch_tree(
     axis = vec3(trunk[0], trunk[1], real(0.0))
     alike = ALIKE * rocks.bound[rock]
     nearest = vec3()
-    closest = real(1.0e300)
+    closest = real(wp.inf)
     low = real(0.0)
     high = real(0.0)
     for k in range(rocks.edge_count[rock]):

@@ -18,6 +18,8 @@ from warpdem.kernels.variant import inlined
 RENEWAL = wp.constant(15)
 # growth of the residual at which the acceleration forgets what it knew
 ASTRAY = wp.constant(real(10.0))
+# squared sine between two differences below which the older one tells nothing new
+PARALLEL = wp.constant(real(1.0e-8))
 
 
 @wp.struct
@@ -195,7 +197,7 @@ def remember(
         iterates[slot, c].change = change
     weights = wp.vec2d(real(0.0), real(0.0))
     determinant = s11 * s22 - s12 * s12
-    if known > 1 and determinant > real(1.0e-8) * s11 * s22:
+    if known > 1 and determinant > PARALLEL * s11 * s22:
         weights = wp.vec2d(s22 * b1 - s12 * b2, s11 * b2 - s12 * b1) / determinant
     elif known > 0 and s11 > real(0.0):
         weights = wp.vec2d(b1 / s11, real(0.0))
@@ -243,7 +245,7 @@ def solve(
     """
     solved = Solved()
     solved.twist = twist
-    best = real(1.0e300)
+    best = real(wp.inf)
     known = int(0)
     running = int(1)
     while running == 1:

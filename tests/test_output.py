@@ -4,6 +4,7 @@ import contextlib
 import os
 import resource
 import subprocess
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -16,6 +17,7 @@ from warpdem.input import decode
 from warpdem.output import checkpoint as checkpoints
 from warpdem.output import contact_points, durable, vtu
 from warpdem.output.checkpoint import Checkpoint
+from warpdem.output.scene_keys import flat_scene
 from warpdem.output.series import Series
 from warpdem.output.surfaces import Surfaces
 from warpdem.output.table import TRAJECTORY_COLUMNS, Table, Trajectory, energy_row
@@ -267,11 +269,21 @@ def test_changed_keys_are_named_and_duration_and_output_may_change():
     output = {{every = {every}}}
     """
     before, longer, other = (
-        checkpoints.flat_scene(decode.loads(text.format(duration=d, z=z, mu=mu, every=e)))
+        flat_scene(decode.loads(text.format(duration=d, z=z, mu=mu, every=e)))
         for d, z, mu, e in [(1.0, 0.0, 0.1, 0.1), (2.0, 0.0, 0.1, 0.2), (1.0, 3.0, 0.2, 0.1)]
     )
     assert checkpoints.changed_keys(before, longer) == []
     assert checkpoints.changed_keys(before, other) == ["body[0].position", "contact[0].mu"]
+
+
+def test_a_changed_file_is_a_changed_key_whatever_it_is_for(tmp_path):
+    scene = SimpleNamespace(
+        directory=tmp_path, model_dump=lambda mode: {"driver": [{"file": "motion.csv"}]}
+    )
+    (tmp_path / "motion.csv").write_text("t,x\n0,0\n1,1\n")
+    before = flat_scene(scene)
+    (tmp_path / "motion.csv").write_text("t,x\n0,0\n1,2\n")
+    assert checkpoints.changed_keys(before, flat_scene(scene)) == ["driver[0].file (contents)"]
 
 
 def test_the_writer_keeps_the_order_of_its_jobs():

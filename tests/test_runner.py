@@ -180,7 +180,7 @@ def test_a_finished_run_goes_on_when_its_duration_is_raised(tmp_path):
 
 def test_another_scene_is_not_resumed_and_the_changed_key_is_named(tmp_path):
     run(tmp_path / "run")
-    with pytest.raises(WarpdemError, match=r"differs .* in contact\[0\]\.mu$"):
+    with pytest.raises(WarpdemError, match=r"differs .* in contact\[0\]\.mu; give another"):
         run(tmp_path / "run", "contact.0.mu=0.4", resume=True)
 
 

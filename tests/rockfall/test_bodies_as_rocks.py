@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from grids import write_asc
 
+from warpdem.checks.check import check
 from warpdem.errors import SceneError
 from warpdem.geometry.orientation import matrix
 from warpdem.input.decode import load
@@ -177,6 +178,18 @@ mu = 0.6
         "contact[2]: another mu or en2 than contact[0]"
         in problems(scene_of(tmp_path, TEXT + other))[0]
     )
+
+
+def test_bodies_lie_above_the_ground(tmp_path):
+    text = changed(f"position = [{EAST + 7}, {NORTH + 3}", f"position = [{EAST + 70}, {NORTH + 3}")
+    scene = scene_of(tmp_path, text)
+    words = "body: 1 of 3 free bodies lie outside the terrain or where it has no data: (2790070, "
+    with pytest.raises(SceneError) as caught:
+        Bodies(scene, site_of(scene))
+    assert words in str(caught.value)
+    with pytest.raises(SceneError) as caught:
+        check(scene)
+    assert words in str(caught.value)
 
 
 def test_rocks_are_convex(tmp_path):

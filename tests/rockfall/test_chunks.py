@@ -10,7 +10,8 @@ import skating
 
 from warpdem.errors import OutputError, WarpdemError
 from warpdem.output import durable
-from warpdem.rockfall.chunk_folder import Agreement, ChunkFolder, agree, agreed, refuse_changed
+from warpdem.output.scene_keys import differing, refuse_differing
+from warpdem.rockfall.chunk_folder import Agreement, ChunkFolder, agree, agreed
 from warpdem.rockfall.chunks import (
     CUDA_SIZES,
     SIZES,
@@ -152,9 +153,9 @@ def test_the_first_plan_holds_for_all(tmp_path):
 
 
 def test_a_changed_scene_is_refused_by_its_keys(tmp_path):
-    refuse_changed(tmp_path, Agreement(PLAN, KEYS), KEYS)
+    refuse_differing(tmp_path, differing(KEYS, {**KEYS}))
     with pytest.raises(WarpdemError, match=r"differs .* in a, b, c, d, e and 2 more;"):
-        refuse_changed(tmp_path, Agreement(PLAN, {}), dict.fromkeys("abcdefg"))
+        refuse_differing(tmp_path, differing({}, dict.fromkeys("abcdefg")))
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"layout": 1, "plan": {"size": 1}, "keys": {}}'])

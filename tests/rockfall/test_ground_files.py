@@ -6,7 +6,7 @@ from grids import waves, write_asc
 
 from warpdem.errors import GeometryError, WarpdemError
 from warpdem.geometry.terrain import raster_of
-from warpdem.rockfall.cover import inside, read_areas, values_under
+from warpdem.rockfall.cover import inside, read_outlines, values_under
 from warpdem.rockfall.raster_files import raster_at, value_at
 from warpdem.rockfall.site import Grid
 
@@ -76,7 +76,9 @@ def test_infinite_heights_are_refused(tmp_path):
         raster_at(tmp_path / "t.asc")
 
 
-@pytest.mark.parametrize(("module", "call"), [("rasterio", raster_at), ("shapefile", read_areas)])
+@pytest.mark.parametrize(
+    ("module", "call"), [("rasterio", raster_at), ("shapefile", read_outlines)]
+)
 def test_a_missing_extra_says_how_to_install_it(monkeypatch, tmp_path, module, call):
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(WarpdemError, match=r"pip install 'warpdem\[geo\]'"):
@@ -135,7 +137,7 @@ def test_polygons_of_a_shapefile_keep_holes_parts_and_attributes(tmp_path):
         file.record("soft")
         file.poly([(SQUARE[::-1] + 20.0).tolist()])
         file.record("hard")
-    first, second = read_areas(tmp_path / "a.shp")
+    first, second = read_outlines(tmp_path / "a.shp")
     assert (first.attributes["CLASS"], second.attributes["CLASS"]) == ("soft", "hard")
     assert inside(first.rings, Grid(0.0, 0.0, 1.0, 10, 10)).sum() == 48
     assert inside(second.rings, Grid(20.0, 20.0, 1.0, 10, 10)).sum() == 64
@@ -148,7 +150,7 @@ def test_a_shapefile_without_polygons_is_refused(tmp_path):
         file.point(1.0, 2.0)
         file.record("soft")
     with pytest.raises(GeometryError, match="holds no polygons"):
-        read_areas(tmp_path / "a.shp")
+        read_outlines(tmp_path / "a.shp")
     (tmp_path / "b.shp").write_text("nonsense")
     with pytest.raises(GeometryError, match="cannot be read as a shapefile"):
-        read_areas(tmp_path / "b.shp")
+        read_outlines(tmp_path / "b.shp")

@@ -269,9 +269,13 @@ def test_a_table_says_where_how_and_what(tmp_path):
         (TABLE.replace("plate", "plaet"), ":2: block_id = 'plaet': no .* did you mean \"plate\""),
         (TABLE.replace("-2", "two"), ":4: w = 'two': must be a finite number"),
         (TABLE.replace("0.25", "nan"), ":4: v = 'nan': must be a finite number"),
-        (TABLE.replace(";block\n", "\n"), ":4: the row ends before its 'block_id'"),
+        (
+            TABLE.replace(";block\n", "\n"),
+            ":4: has 7 columns where the first line names 8: id",
+        ),
         (TABLE.replace("y_m", "ym"), "has no column 'y_m'; it has id, x_m, ym"),
         (TABLE[:10], "needs a line of names and a row"),
+        (TABLE.replace("a;", '"a;'), "cannot be read as a table"),
     ],
 )
 def test_faulty_tables_name_file_and_line(tmp_path, text, words):

@@ -16,7 +16,6 @@ from warpdem.checks.rockfall_report import (
     RockfallReport,
 )
 from warpdem.errors import SceneError
-from warpdem.input.decode import problem_at
 from warpdem.rockfall.classes import UNVERIFIED
 from warpdem.rockfall.finish import chosen_ids
 from warpdem.rockfall.nearby import cells_near
@@ -52,11 +51,11 @@ def check_rockfall(scene: Scene) -> RockfallReport:
     """What a scene with run.method = "nonsmooth" would compute.
 
     Raises:
-        SceneError: The terrain, what covers it or the rocks cannot be made; carries all problems.
+        SceneError: The terrain, what covers it or the rocks cannot be made, or bodies lie beside
+            the terrain; carries all problems.
     """
     site = site_of(scene)
     rocks, count, starts, problems = _flights(scene, site)
-    problems += _misplaced(scene, site, starts) if starts else []
     problems += lacking_formats(scene)
     cells = site.results.rows * site.results.columns
     ground = site.ground.grid
@@ -92,7 +91,7 @@ def _flights(
     """Rocks, number of trajectories and the first starts, or why there are none of these.
 
     Raises:
-        SceneError: Rocks cannot be made; carries all problems.
+        SceneError: Rocks cannot be made, or bodies lie beside the terrain; carries all problems.
     """
     if not scene.release:
         from warpdem.rockfall.bodies import Bodies  # noqa: PLC0415 - builds shapes as `check` does
@@ -109,29 +108,6 @@ def _flights(
         return rocks, count, releases.starts(np.arange(min(count, SAMPLE))), []
     except SceneError as error:
         return rocks, count, None, list(error.problems)
-
-
-def _misplaced(scene: Scene, site: Site, starts: Starts) -> list[Problem]:
-    """Releases, or bodies, that start where the ground is unknown."""
-    x, y = starts.position[:, 0], starts.position[:, 1]
-    cell = site.ground.grid.index(x, y)
-    outside = cell < 0
-    unknown = ~outside & ~site.ground.known.reshape(-1)[cell]
-    section = "release" if scene.release else "body"
-    problems = []
-    for wrong, rule in (
-        (outside, "outside the terrain; is it in the terrain's reference system?"),
-        (unknown, "where the terrain has no data; move it, or fill the gap in the terrain"),
-    ):
-        for release in np.unique(starts.release[wrong]):
-            mine = np.flatnonzero(wrong & (starts.release == release))
-            all_of = int((starts.release == release).sum())
-            place = starts.position[mine[0], :2] + site.origin[:2]
-            where = f"({place[0]:.2f}, {place[1]:.2f})"
-            path = (section, int(release)) if scene.release else (section,)
-            message = f"{len(mine)} of {all_of} rocks start {rule} The first is at {where}"
-            problems.append(problem_at(scene, path, message))
-    return problems
 
 
 def _seconds(rocks: Sequence[Rock], starts: Starts | None) -> float:

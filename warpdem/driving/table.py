@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.errors import GeometryError
+from warpdem.geometry.column_file import read_columns
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -58,48 +59,25 @@ def read_table(path: Path, *, cubic: bool) -> MotionTable:
     Raises:
         GeometryError: The file is no such table.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise GeometryError(f"{path}: cannot be read: {error}") from None
-    lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip()]
-    names = [name.strip() for name in lines[0][1].split(",")] if lines else []
+    table = read_columns(path, rows="two rows or more of numbers")
+    names = table.names
     wrong = [name for name in names if name not in {"t", *AXES}]
     if "t" not in names or wrong or len({*names}) < len(names):
-        place = f"{path}:{lines[0][0]}" if lines else f"{path}"
         raise GeometryError(
-            f"{place}: the first line must name t and some of {', '.join(AXES)}; it has "
-            f"{', '.join(names[:12]) or 'nothing'}"
+            f"{path}: the first line must name t and some of {', '.join(AXES)}; it has "
+            f"{', '.join(names[:12])}"
         )
-    if len(lines) < 3:
+    if len(table.lines) < 2:
         raise GeometryError(f"{path}: needs two rows or more of numbers below the first line")
-    rows = np.array([_row(f"{path}:{k}", line, names) for k, line in lines[1:]])
-    time = rows[:, names.index("t")]
+    time = table.numbers("t")
     if np.any(np.diff(time) <= 0.0):
-        row = lines[int(np.flatnonzero(np.diff(time) <= 0.0)[0]) + 2][0]
+        row = table.lines[int(np.flatnonzero(np.diff(time) <= 0.0)[0]) + 1]
         raise GeometryError(f"{path}:{row}: times must increase from row to row")
-    value = np.zeros((len(rows), len(AXES)))
+    value = np.zeros((len(time), len(AXES)))
     for column, name in enumerate(AXES):
         if name in names:
-            value[:, column] = rows[:, names.index(name)]
+            value[:, column] = table.numbers(name)
     return MotionTable(time, value, clamped_slopes(time, value) if cubic else None)
-
-
-def _row(place: str, line: str, names: list[str]) -> list[float]:
-    """The numbers of a line, one for each name."""
-    cells = line.split(",")
-    if len(cells) != len(names):
-        raise GeometryError(
-            f"{place}: has {len(cells)} columns where the first line names {len(names)}: "
-            f"{', '.join(names)}"
-        )
-    try:
-        numbers = [float(cell) for cell in cells]
-    except ValueError as error:
-        raise GeometryError(f"{place}: not a row of numbers: {error}") from None
-    if not np.all(np.isfinite(numbers)):
-        raise GeometryError(f"{place}: its numbers must be finite")
-    return numbers
 
 
 def clamped_slopes(time: FloatArray, value: FloatArray) -> FloatArray:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
 from warpdem.errors import GeometryError
+from warpdem.geometry.text_file import text_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -94,12 +95,7 @@ def read_shp(path: Path) -> dict[str, ShpItem]:
     Raises:
         GeometryError: The file cannot be read or understood; names it and the line.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "is no text"
-        raise GeometryError(f"{path}: {reason}") from None
-    words = _Words(path, text)
+    words = _Words(path, text_of(path))
     items: dict[str, ShpItem] = {}
     while word := words.next(""):
         if word != "<":

@@ -13,6 +13,7 @@ from warpdem.geometry.activity import active_vertices, borders, terrain_cones, t
 from warpdem.geometry.core import Core
 from warpdem.geometry.facets import facets_of, twins
 from warpdem.geometry.polyhedron import Polyhedron, in_frame
+from warpdem.geometry.text_file import text_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -68,12 +69,7 @@ def read_raster(path: Path, nodes: Literal["corner", "centre"] = "corner") -> Ra
     Raises:
         GeometryError: The file cannot be read or understood.
     """
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "is no text"
-        raise GeometryError(f"{path}: {reason}") from None
-    header, rest = _header(path, lines)
+    header, rest = _header(path, text_of(path).splitlines())
     columns, rows = int(header["ncols"]), int(header["nrows"])
     try:
         parts = [np.array(line.split(), np.float64) for line in rest]

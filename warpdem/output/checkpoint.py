@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 import zipfile
@@ -13,14 +12,12 @@ import numpy as np
 
 from warpdem.errors import OutputError, WarpdemError
 from warpdem.output.durable import replace, sync
+from warpdem.output.scene_keys import differing
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
     from numpy.typing import NDArray
-
-    from warpdem.input.scene import Scene
 
 VERSION = 1
 """Of the file's layout; a change makes older checkpoints unreadable, and says so."""
@@ -33,7 +30,7 @@ class Checkpoint:
     """A state of the simulation, and what the files held at that instant.
 
     Attributes:
-        scene: The scene in flat form, as :func:`flat_scene` returns it.
+        scene: The scene in flat form, as ``scene_keys.flat_scene`` returns it.
         time: Simulated time [s].
         step: Steps done.
         frame_due: When the last frame was due [s]; negative before the first.
@@ -93,46 +90,12 @@ def load(path: Path) -> Checkpoint:
     return Checkpoint(state=state, **head)
 
 
-def flat_scene(scene: Scene) -> dict[str, Any]:
-    """Key paths such as ``contact[0].mu`` and their values; a shape's file by its contents too."""
-    flat = dict(leaves(scene.model_dump(mode="json")))
-    for index, shape in enumerate(scene.shape):
-        if file := getattr(shape, "file", None):
-            flat[f"shape[{index}].file (contents)"] = digest(scene.directory / file)
-    return flat
-
-
-def digest(path: Path) -> str:
-    """What stands for the contents of a file: their hash, or why it cannot be read."""
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError as fault:
-        return str(fault.strerror)
-
-
 def changed_keys(old: dict[str, Any], new: dict[str, Any]) -> list[str]:
     """Key paths that differ and that the motion depends on, sorted."""
-    absent = object()
-    return sorted(
-        key
-        for key in old.keys() | new.keys()
-        if old.get(key, absent) != new.get(key, absent) and not _may_change(key)
-    )
+    return [key for key in differing(old, new) if not _may_change(key)]
 
 
 def _may_change(key: str) -> bool:
     if key == "output.energy":  # its sums run from the start
         return False
     return key in {"title", "run.duration", "run.device"} or key.startswith("output.")
-
-
-def leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Key paths such as ``contact[0].mu`` of nested tables, and their values."""
-    if isinstance(value, dict):
-        for key, item in value.items():
-            yield from leaves(item, f"{path}.{key}" if path else key)
-    elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
-        for index, item in enumerate(value):
-            yield from leaves(item, f"{path}[{index}]")
-    else:
-        yield path, value

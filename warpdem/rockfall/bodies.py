@@ -12,11 +12,12 @@ from warpdem.filling.placement import place
 from warpdem.input.decode import problem_at
 from warpdem.rockfall.flights import Starts
 from warpdem.rockfall.rocks import rock_of
+from warpdem.rockfall.settle import is_off, places
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from warpdem.arrays import IntArray
+    from warpdem.arrays import FloatArray, IntArray
     from warpdem.filling.placement import Placement
     from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.input.scene import Scene
@@ -37,7 +38,8 @@ class Bodies:
         count: Number of trajectories.
 
     Raises:
-        SceneError: A shape is no solid, or not convex; carries a problem for each.
+        SceneError: A shape is no solid, or not convex, or a body is not above the ground; carries a
+            problem for each.
     """
 
     def __init__(self, scene: Scene, site: Site) -> None:
@@ -53,11 +55,13 @@ class Bodies:
             for k, scale, density in number
         )
         self.count = len(free)
+        position = placement.position[free] - site.origin
+        _refuse_beside(scene, site, position)
         self._starts = Starts(
             id=np.arange(len(free), dtype=np.int64),
             release=np.arange(len(free), dtype=np.int32),
             rock=np.array([number[kind] for kind in kinds], np.int32),
-            position=placement.position[free] - site.origin,
+            position=position,
             orientation=placement.orientation[free],
             velocity=placement.velocity[free],
             spin=placement.spin[free],
@@ -93,3 +97,16 @@ def _refuse_concave(scene: Scene, shapes: Mapping[str, Polyhedron]) -> None:
     ]
     if problems:
         raise SceneError(str(scene.source or "scene"), problems)
+
+
+def _refuse_beside(scene: Scene, site: Site, position: FloatArray) -> None:
+    """Refuse bodies, at local positions, that no ground is below."""
+    off = is_off(site.ground, position[:, :2])
+    if off.any():
+        message = (
+            f"{int(off.sum())} of {len(off)} free bodies lie outside the terrain or where it has "
+            f"no data: {places(position[off, :2], site.origin)}; check the coordinates, or take a "
+            "larger terrain"
+        )
+        section = "body" if any(not body.fixed for body in scene.body) else "fill"
+        raise SceneError(str(scene.source or "scene"), [problem_at(scene, (section,), message)])

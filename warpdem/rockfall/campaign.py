@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from warpdem import __version__
-from warpdem.errors import OutputError, UnstableError
+from warpdem.errors import OutputError
 from warpdem.output import summary
 from warpdem.output.ensemble_folder import held
 from warpdem.output.writer import told
 from warpdem.rockfall import finish
 from warpdem.rockfall.account import account
+from warpdem.running.failures import summarised
 from warpdem.running.interrupts import SIGNALLED, Interrupted
 from warpdem.running.progress import duration
 
@@ -74,20 +75,11 @@ class Campaign:
             WarpdemError: A trajectory went wrong.
             OutputError: Chunks or results cannot be written.
         """
-        try:
+        with summarised(self.progress, self._summarise, lambda: GOES_ON):
             if crew:
                 self._fly(crew, todo)
             if not self.interrupts.received and self.chunks.complete:
                 return self._conclude()
-        except UnstableError as fault:
-            self._summarise("unstable", error=str(fault))
-            raise
-        except OutputError as fault:
-            with contextlib.suppress(OutputError):
-                self._summarise("failed", error=str(fault))
-            raise OutputError(f"{fault}; {GOES_ON}") from fault
-        finally:
-            self.progress.clear()
         return self._leave()
 
     def _fly(self, crew: Crew, todo: Sequence[int]) -> None:

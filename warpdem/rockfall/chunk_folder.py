@@ -10,14 +10,11 @@ from warpdem.errors import OutputError, WarpdemError
 from warpdem.output.durable import create, replace, sync
 from warpdem.output.writer import told
 from warpdem.rockfall.chunks import LAYOUT, Chunk, ForeignChunkError, Plan, read
-from warpdem.rockfall.fingerprint import changed, fingerprint
+from warpdem.rockfall.fingerprint import fingerprint
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
-
-NAMED = 5
-"""Changed keys an error names; the others it counts."""
 
 
 @dataclass(frozen=True)
@@ -73,21 +70,6 @@ def agree(path: Path, proposal: Agreement) -> Agreement:
     except OSError as fault:
         raise OutputError(told(fault)) from fault
     return agreed(path) or proposal
-
-
-def refuse_changed(path: Path, found: Agreement, keys: dict[str, Any]) -> None:
-    """Hold that a scene is the one a folder's chunks are made from.
-
-    Raises:
-        WarpdemError: It is not; the message names the keys that differ.
-    """
-    names = changed(found.keys, keys)
-    if names:
-        more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-        raise WarpdemError(
-            f"{path}: cannot go on, the scene differs from the one that was run in "
-            f"{', '.join(names[:NAMED])}{more}; give another --out, or --force to start again"
-        )
 
 
 class ChunkFolder:

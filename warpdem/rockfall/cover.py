@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Area:
+class Outline:
     """One polygon of a file, holes and parts included.
 
     Attributes:
@@ -32,14 +32,14 @@ class Area:
     attributes: dict[str, Any]
 
 
-def read_areas(path: Path) -> tuple[Area, ...]:
+def read_outlines(path: Path) -> tuple[Outline, ...]:
     """The polygons of a shapefile, in its order.
 
     Raises:
         GeometryError: The file cannot be read, or holds no polygons.
         WarpdemError: The extra ``geo`` is not installed.
     """
-    return tuple(Area(_rings(shape), record) for shape, record in polygons_of(path))
+    return tuple(Outline(_rings(shape), record) for shape, record in polygons_of(path))
 
 
 def _rings(shape: Any) -> tuple[FloatArray, ...]:

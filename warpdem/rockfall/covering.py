@@ -9,7 +9,7 @@ import numpy as np
 from warpdem.errors import GeometryError
 from warpdem.input.decode import problem_at
 from warpdem.rockfall.classes import classes_of
-from warpdem.rockfall.cover import Area, inside, read_areas, values_under
+from warpdem.rockfall.cover import Outline, inside, read_outlines, values_under
 from warpdem.rockfall.raster_files import SUFFIXES, raster_at
 from warpdem.rockfall.site import Stand
 
@@ -76,7 +76,7 @@ def _parts(
     elif area.field is not None and area.file:
         parts = [
             (_attribute(one, area.field, area.file), _cells(one.rings, grid, origin))
-            for one in read_areas(scene.directory / area.file)
+            for one in read_outlines(scene.directory / area.file)
         ]
     else:
         parts = [(area.class_ or "", _cells_of(scene, area, grid, origin))]
@@ -90,7 +90,7 @@ def _somewhere(cells: BoolArray) -> BoolArray:
     return cells
 
 
-def _attribute(area: Area, field: str, file: str) -> str:
+def _attribute(area: Outline, field: str, file: str) -> str:
     if field not in area.attributes:
         listed = ", ".join(area.attributes) or "none"
         raise GeometryError(f'{file} has no attribute "{field}"; there are: {listed}')
@@ -109,7 +109,7 @@ def _cells_of(scene: Scene, area: GroundArea | Forest, grid: Grid, origin: Float
     if path.suffix.lower() in SUFFIXES:
         values = values_under(raster_at(path), grid, origin)
         return np.isfinite(values) & (values != 0.0)
-    parts = [_cells(area.rings, grid, origin) for area in read_areas(path)]
+    parts = [_cells(area.rings, grid, origin) for area in read_outlines(path)]
     return np.any(parts, axis=0)
 
 

@@ -46,7 +46,8 @@ class Threads:
     def __init__(self, prepared: Prepared, count: int, progress: Callable[[str], object]) -> None:
         self._prepared = prepared
         progress("compiling kernels")
-        self._flyers = [prepared.work.flyer() for _ in range(count)]
+        first = prepared.work.flyer()
+        self._flyers = [first, *(first.twin() for _ in range(count - 1))]
         self._lock = threading.Lock()
 
     @property

@@ -21,7 +21,7 @@ from warpdem.kernels.fall_views import (
     Terrain,
 )
 from warpdem.kernels.precision import real, vec3
-from warpdem.rockfall.nearby import cells_near, dilated
+from warpdem.rockfall.nearby import around, cells_near
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,10 +29,13 @@ if TYPE_CHECKING:
     from warpdem.arrays import FloatArray, IntArray
     from warpdem.rockfall.flights import Method
     from warpdem.rockfall.rock import Rock
-    from warpdem.rockfall.site import Barrier, Ground, Site
+    from warpdem.rockfall.site import Barrier, Grid, Ground, Site, Trees
 
 Pieces: TypeAlias = "tuple[FloatArray, FloatArray, IntArray]"
 """Both ends of straight pieces, shape [n, 2] each, and the barrier of each, shape [n]."""
+
+TreeCells: TypeAlias = "tuple[IntArray, IntArray]"
+"""First entry of each ground cell in the trunks, shape [cell_count + 1], and these, shape [n]."""
 
 TRAVEL_CELLS = 16
 """Most cells of results that one pass goes along each axis."""
@@ -58,12 +61,13 @@ def place_of(
 ) -> Place:
     """Bring a site, its rocks and the method to a device."""
     pieces = _pieces(site.barriers)
+    trees = _tree_cells(site.trees, site.ground.grid, rocks) if site.trees else None
     return Place(
         parts_of(site, rocks, method, visits=visits, fused=fused),
-        _terrain(site, rocks, pieces, device),
+        _terrain(site, trees, pieces, device),
         _rocks(rocks, device),
         _classes(site, device),
-        _obstacles(site, rocks, pieces, device),
+        _obstacles(site, trees, pieces, device),
         _rules(site, method),
         _grid(site),
         max(len(rock.vertices) for rock in rocks),
@@ -93,7 +97,7 @@ def parts_of(
     )
 
 
-def _terrain(site: Site, rocks: Sequence[Rock], pieces: Pieces, device: Any) -> Terrain:
+def _terrain(site: Site, trees: TreeCells | None, pieces: Pieces, device: Any) -> Terrain:
     ground, grid = site.ground, site.ground.grid
     terrain = Terrain()
     terrain.x, terrain.y, terrain.cell = grid.x, grid.y, grid.cell
@@ -102,7 +106,7 @@ def _terrain(site: Site, rocks: Sequence[Rock], pieces: Pieces, device: Any) -> 
     terrain.reach = ground.reach
     span = int(np.ceil(ground.reach / grid.cell - 1e-9))
     outside = np.pad(ground.known == 0, span, constant_values=True)
-    unknown = dilated(outside, span)[span:-span, span:-span]
+    unknown = around(outside, span)[span:-span, span:-span]
     # near the end of the known ground no flight is longer than a step
     terrain.steep = _reals(np.where(unknown, np.inf, ground.steep), device)
     terrain.known = _whole(ground.known, device)
@@ -115,11 +119,10 @@ def _terrain(site: Site, rocks: Sequence[Rock], pieces: Pieces, device: Any) -> 
         terrain.stand_of = _whole(site.stand_of, device)
     near = np.zeros((grid.rows, grid.columns), np.int32)
     if site.stand_of is not None:
-        near |= np.where(dilated(site.stand_of >= 0, span), int(FOREST), 0)
-    if site.trees is not None:
-        start, _ = _tree_cells(site, rocks)
-        found = (np.diff(start) > 0).reshape(near.shape)
-        near |= np.where(dilated(found, span), int(TREE), 0)
+        near |= np.where(around(site.stand_of >= 0, span), int(FOREST), 0)
+    if trees:
+        found = (np.diff(trees[0]) > 0).reshape(near.shape)
+        near |= np.where(around(found, span), int(TREE), 0)
     if site.barriers:
         seen = np.zeros_like(near, dtype=bool)
         for a, b in zip(*pieces[:2], strict=True):
@@ -170,14 +173,13 @@ def _classes(site: Site, device: Any) -> GroundClasses:
     return view
 
 
-def _obstacles(site: Site, rocks: Sequence[Rock], pieces: Pieces, device: Any) -> Obstacles:
+def _obstacles(site: Site, trees: TreeCells | None, pieces: Pieces, device: Any) -> Obstacles:
     view = Obstacles()
     if site.stand_of is not None:
         view.stand_drag = _reals([stand.drag for stand in site.stands], device)
         view.stand_height = _reals([stand.height for stand in site.stands], device)
-    if site.trees is not None:
-        start, members = _tree_cells(site, rocks)
-        view.tree_start, view.tree_member = _whole(start, device), _whole(members, device)
+    if site.trees is not None and trees:
+        view.tree_start, view.tree_member = (_whole(part, device) for part in trees)
         trunks = np.column_stack([site.trees.position, site.trees.radius])
         view.tree = _vectors(trunks, device)
         view.tree_top = _reals(site.trees.top, device)
@@ -203,13 +205,11 @@ def _pieces(barriers: Sequence[Barrier]) -> Pieces:
     )
 
 
-def _tree_cells(site: Site, rocks: Sequence[Rock]) -> tuple[IntArray, IntArray]:
-    """First trunk of each ground cell, and the trunks that a rock above the cell may touch."""
-    assert site.trees is not None
-    grid = site.ground.grid
+def _tree_cells(standing: Trees, grid: Grid, rocks: Sequence[Rock]) -> TreeCells:
+    """The trunks that a rock above each cell of the ground may touch."""
     widest = max(rock.bound for rock in rocks)
     cells, trees = [], []
-    for tree, (axis, radius) in enumerate(zip(site.trees.position, site.trees.radius, strict=True)):
+    for tree, (axis, radius) in enumerate(zip(standing.position, standing.radius, strict=True)):
         near = cells_near(grid, axis[None], widest + radius)
         cells.append(near)
         trees.append(np.full(len(near), tree))

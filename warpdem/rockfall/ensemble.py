@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from warpdem.output.ensemble_folder import claimed
 from warpdem.output.folder import CHUNKS
+from warpdem.output.scene_keys import differing, refuse_differing
 from warpdem.rockfall import task
 from warpdem.rockfall.campaign import Campaign
 from warpdem.rockfall.chunk_folder import (
@@ -16,7 +17,6 @@ from warpdem.rockfall.chunk_folder import (
     ChunkFolder,
     agree,
     agreed,
-    refuse_changed,
 )
 from warpdem.rockfall.chunks import planned
 from warpdem.rockfall.crew import Threads
@@ -85,7 +85,7 @@ def run_rockfall(
         path = folder / CHUNKS
         before = None if force else agreed(path)
         if before:
-            refuse_changed(folder.path, before, keys)
+            refuse_differing(folder.path, differing(before.keys, keys))
         name = _device(device or scene.run.device)
         progress.work("reading the scene's files")
         prepared = task.prepared(scene, name, fingerprint(keys))
@@ -102,7 +102,8 @@ def run_rockfall(
             if not share.shard:
                 folder.clear()
             before = agree(path, Agreement(plan, keys))
-            refuse_changed(folder.path, before, keys)  # another shard may have come first
+            # another shard may have come first
+            refuse_differing(folder.path, differing(before.keys, keys))
         elif not share.shard:
             folder.clear_parts()
         chunks = ChunkFolder(path, before)

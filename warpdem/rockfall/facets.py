@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.errors import GeometryError
-from warpdem.rockfall.neighbours import REACH, around
+from warpdem.rockfall.nearby import REACH, around
 from warpdem.rockfall.site import Facets, Grid, Ground
 
 if TYPE_CHECKING:

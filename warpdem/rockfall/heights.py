@@ -8,7 +8,7 @@ import numpy as np
 
 from warpdem.errors import GeometryError
 from warpdem.rockfall import facets
-from warpdem.rockfall.neighbours import REACH, around
+from warpdem.rockfall.nearby import REACH, around
 from warpdem.rockfall.site import Grid, Ground
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Which cells of a grid lie near something."""
+"""Cells of a grid near others: the largest value among them, which lie near a line."""
 
 from __future__ import annotations
 
@@ -7,18 +7,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from warpdem.arrays import BoolArray, FloatArray, IntArray
+    from warpdem.arrays import FloatArray, IntArray
     from warpdem.rockfall.site import Grid
 
 
-def dilated(found: BoolArray, span: int) -> BoolArray:
-    """Cells with one that is ``found`` among those up to ``span`` cells away along each axis."""
-    grown = np.pad(found, span)
+REACH = 2
+"""Cells around a cell over which its largest slope is taken: beyond, a jump must end."""
+
+
+def around(values: np.ndarray, reach: int) -> np.ndarray:
+    """Largest value within ``reach`` rows and columns of each entry; shape and type as ``values``.
+
+    Of truths: whether any of them is true.
+    """
     for axis in (0, 1):
-        length = found.shape[axis]
-        shifts = [np.take(grown, range(k, k + length), axis=axis) for k in range(2 * span + 1)]
-        grown = np.any(shifts, axis=0)
-    return grown
+        wide = [(0, 0), (0, 0)]
+        wide[axis] = (reach, reach)
+        padded = np.pad(values, wide, mode="edge")
+        windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1, axis=axis)
+        values = windows.max(axis=-1)
+    return values
 
 
 def cells_near(grid: Grid, line: FloatArray, distance: float) -> IntArray:

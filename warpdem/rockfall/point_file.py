@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpdem.errors import GeometryError
+from warpdem.geometry.text_file import text_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,12 +24,7 @@ def read_points(path: Path) -> FloatArray:
     Raises:
         GeometryError: The file cannot be read, or a line has no three numbers; names it.
     """
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "is no text"
-        raise GeometryError(f"{path}: cannot be read: {reason}") from None
-    points = np.array([*_rows(path, text)], float).reshape(-1, 3)
+    points = np.array([*_rows(path, text_of(path))], float).reshape(-1, 3)
     if not len(points):
         raise GeometryError(f"{path}: holds no points; needs a line x y z for each")
     return points

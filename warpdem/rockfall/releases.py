@@ -10,11 +10,11 @@ import numpy as np
 from warpdem.errors import GeometryError, SceneError
 from warpdem.geometry.orientation import product
 from warpdem.input.decode import problem_at
+from warpdem.rockfall.apportion import apportioned
 from warpdem.rockfall.flights import Starts
 from warpdem.rockfall.places import Line, Points
 from warpdem.rockfall.random import Purpose, Streams
-from warpdem.rockfall.settle import is_off, resting_height
-from warpdem.rockfall.shares import shared
+from warpdem.rockfall.settle import LISTED, is_off, places, resting_height
 from warpdem.rockfall.sources import (
     amounts,
     place_key,
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from warpdem.rockfall.sources import Source
 
 _CLEARANCE = 0.02  # [m], where neither height nor z is given
-_LISTED = 10  # places a message lists
 
 
 class Releases:
@@ -83,7 +82,7 @@ class Releases:
             SceneError: One starts in an area or on a line where the terrain has no data.
         """
         ids = np.asarray(ids, np.int64)
-        release, turn = shared(ids, self._weights)
+        release, turn = apportioned(ids, self._weights)
         rows = [np.flatnonzero(release == index) for index in range(len(self._sources))]
         parts = [self._part(k, ids[at], turn[at]) for k, at in enumerate(rows)]
         back = np.argsort(np.concatenate(rows), kind="stable")
@@ -153,9 +152,9 @@ class Releases:
         if not len(off):
             return []
         what = "row" if source.rows else "point"
-        named = self._listed(plan[off])
+        named = places(plan[off], self._site.origin)
         if source.rows:
-            lines = ", ".join(str(line) for line in source.rows.lines[off[:_LISTED]].tolist())
+            lines = ", ".join(str(line) for line in source.rows.lines[off[:LISTED]].tolist())
             named = f"on line {lines}, {named}"
         message = (
             f"{len(off)} of {len(plan)} {what}s {'lies' if len(off) == 1 else 'lie'} outside the "
@@ -172,15 +171,10 @@ class Releases:
         if not off.any():
             return
         name = "line" if isinstance(source.places, Line) else "area"
+        first = places(position[off, :2], self._site.origin)
         message = (
             f"{int(off.sum())} of {len(off)} rocks would start outside the terrain or where it has "
-            f"no data: {self._listed(position[off, :2])}; keep the {name} on the terrain"
+            f"no data: {first}; keep the {name} on the terrain"
         )
         problem = problem_at(self._scene, ("release", index, place_key(source.section)), message)
         raise SceneError(str(self._scene.source or "scene"), [problem])
-
-    def _listed(self, plan: FloatArray) -> str:
-        """The first of some local points in the coordinates of the terrain."""
-        national = plan[:_LISTED] + self._site.origin[:2]
-        more = f" and {len(plan) - _LISTED} more" if len(plan) > _LISTED else ""
-        return ", ".join(f"({x:.12g}, {y:.12g})" for x, y in national.tolist()) + more

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from warpdem.rockfall.rock import Rock
     from warpdem.rockfall.site import Ground
 
+LISTED = 10
+"""Places that a message lists."""
+
 
 def is_off(ground: Ground, plan: FloatArray) -> BoolArray:
     """Points x, y that no rock's centre may be above: outside, or without data; shape [n]."""
@@ -20,6 +23,18 @@ def is_off(ground: Ground, plan: FloatArray) -> BoolArray:
     cell = ground.grid.index(x, y)
     known = ground.known.reshape(-1)[np.maximum(cell, 0)].astype(bool)
     return (cell < 0) | ~known | np.isnan(ground.height(x, y))
+
+
+def places(plan: FloatArray, origin: FloatArray) -> str:
+    """The first of some points, for a message.
+
+    Args:
+        plan: Local x, y [m], shape [n, 2].
+        origin: Of the local coordinates, shape [3].
+    """
+    more = f" and {len(plan) - LISTED} more" if len(plan) > LISTED else ""
+    national = (plan[:LISTED] + origin[:2]).tolist()
+    return ", ".join(f"({x:.12g}, {y:.12g})" for x, y in national) + more
 
 
 def resting_height(

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-from math import inf, isfinite
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from warpdem.errors import GeometryError
+from warpdem.geometry.column_file import read_columns
 from warpdem.input.decode import problem_at
 from warpdem.rockfall.site import Barrier, Trees
 
@@ -79,30 +79,13 @@ def read_trees(path: Path) -> FloatArray:
     Raises:
         GeometryError: The table cannot be read, lacks a column, or a value makes no sense.
     """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = csv.DictReader(file, skipinitialspace=True)
-            if missing := [name for name in COLUMNS if name not in (rows.fieldnames or ())]:
-                raise GeometryError(
-                    f"{path}: lacks the column {missing[0]}; a table of trees begins with the line "
-                    f"{','.join(COLUMNS)}"
-                )
-            values = [_values(path, rows.line_num, row) for row in rows]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise GeometryError(f"{path}: cannot be read as a table: {error}") from None
-    if not values:
-        raise GeometryError(f"{path}: holds no trees")
-    return np.array(values, np.float64)
-
-
-def _values(path: Path, line: int, row: dict[str, str]) -> list[float]:
-    try:
-        values = [float(row[name] or "") for name in COLUMNS]
-    except (TypeError, ValueError):
-        raise GeometryError(f"{path}:{line}: {', '.join(COLUMNS)} must be numbers") from None
-    if not all(map(isfinite, values)) or values[2] <= 0.0 or values[3] <= 0.0:
-        raise GeometryError(f"{path}:{line}: diameter and height must be positive, all finite")
-    return values
+    table = read_columns(path, rows="a row for each tree")
+    columns = [table.numbers(name) for name in COLUMNS]
+    for name, values in zip(COLUMNS[2:], columns[2:], strict=True):
+        if (wrong := np.flatnonzero(values <= 0.0)).size:
+            line, value = table.lines[wrong[0]], values[wrong[0]]
+            raise GeometryError(f"{path}:{line}: {name} = {value:g}: must be positive")
+    return np.column_stack(columns)
 
 
 def barriers_of(scene: Scene, origin: FloatArray) -> tuple[Barrier, ...]:

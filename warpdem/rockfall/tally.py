@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from warpdem.errors import UnstableError
-from warpdem.rockfall.flights import COUNTS, MEASURES, Fate
+from warpdem.rockfall.flights import Fate
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -40,7 +40,6 @@ BIN_ERROR = 2.0**-6
 
 _LIMB = 32
 _STOPPED = (Fate.REST, Fate.CAUGHT)
-_PEAK = COUNTS.index("most_sweeps")
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +58,7 @@ class Tally:
         key: The bins that hold samples, (4 cell + quantity) 2**13 + bin, rising, int64, shape
             [bin_count].
         count: Samples in each of them, int64, shape [bin_count].
-        fates: Trajectories by ``Fate``, int64, shape [fate_count].
-        counts: Sums of the ``COUNTS`` ("most_sweeps": the largest), int64.
-        measures: Largest of the ``MEASURES``, float64.
+        trajectories: How many were counted.
     """
 
     cell: IntArray
@@ -72,9 +69,7 @@ class Tally:
     low: IntArray
     key: IntArray
     count: IntArray
-    fates: IntArray
-    counts: IntArray
-    measures: FloatArray
+    trajectories: int
 
     @classmethod
     def of(cls, flights: Flights, site: Site) -> Self:
@@ -94,9 +89,6 @@ class Tally:
         folds = (np.maximum, np.add, np.add)
         empty = np.zeros((len(rest), len(QUANTITIES)), np.int64)
         key, count = np.unique(_keys(cell, values), return_counts=True)
-        peaks = flights.counts[:, _PEAK].max(initial=0)
-        counts = flights.counts.sum(axis=0, dtype=np.int64)
-        counts[_PEAK] = peaks
         merged = _by_cell(
             np.concatenate([passed, rest]),
             np.concatenate([np.diff(first, append=len(cell)), 0 * rest]),
@@ -110,9 +102,7 @@ class Tally:
             *merged,
             key=key,
             count=count.astype(np.int64),
-            fates=np.bincount(flights.fate, minlength=len(Fate)).astype(np.int64),
-            counts=counts,
-            measures=flights.measures.max(axis=0, initial=0.0),
+            trajectories=len(flights.id),
         )
 
     @classmethod
@@ -129,9 +119,7 @@ class Tally:
             low=wide,
             key=none,
             count=none,
-            fates=np.zeros(len(Fate), np.int64),
-            counts=np.zeros(len(COUNTS), np.int64),
-            measures=np.zeros(len(MEASURES)),
+            trajectories=0,
         )
 
     def __add__(self, other: Tally) -> Tally:
@@ -139,21 +127,12 @@ class Tally:
         rows = (np.concatenate([mine[name], theirs[name]]) for name in _CELL_ARRAYS)
         key = np.concatenate([self.key, other.key])
         order, first = _groups(key)
-        counts = self.counts + other.counts
-        counts[_PEAK] = max(self.counts[_PEAK], other.counts[_PEAK])
         return Tally(
             *_by_cell(*rows),
             key=key[order][first],
             count=_folded(np.add, np.concatenate([self.count, other.count])[order], first),
-            fates=self.fates + other.fates,
-            counts=counts,
-            measures=np.maximum(self.measures, other.measures),
+            trajectories=self.trajectories + other.trajectories,
         )
-
-    @property
-    def trajectories(self) -> int:
-        """How many were counted."""
-        return int(self.fates.sum())
 
     def mean(self) -> FloatArray:
         """Mean of the samples in each cell, NaN without any, shape [cell_count, 4]."""
@@ -188,12 +167,14 @@ class Tally:
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """All of it by name, for a file."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        return {field.name: np.asarray(getattr(self, field.name)) for field in fields(self)}
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
         """A tally from what ``arrays`` gave; other entries of the mapping are left alone."""
-        return cls(**{field.name: arrays[field.name] for field in fields(cls)})
+        found: dict[str, Any] = {field.name: arrays[field.name] for field in fields(cls)}
+        found["trajectories"] = int(found["trajectories"])
+        return cls(**found)
 
 
 _CELL_ARRAYS = ("cell", "passages", "deposits", "largest", "high", "low")

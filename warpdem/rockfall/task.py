@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 
@@ -34,6 +34,10 @@ class Flyer(Protocol):
 
     def load(self) -> None:
         """Load the kernels, compiling what is not yet."""
+        ...
+
+    def twin(self) -> Self:
+        """Another one for another thread; what does not change is shared."""
         ...
 
     def fly(self, starts: Starts, *, stop: Callable[[], bool] | None = None) -> Flights:

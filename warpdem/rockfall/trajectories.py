@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import copy
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import warp as wp
@@ -90,6 +91,12 @@ class Trajectories:
         self._slots = self._allocate(slots)
         ground = self._place.parts.ground
         self._begin, self._advance = begin(ground), advance(self._place.parts)
+
+    def twin(self) -> Self:
+        """Another one for another host thread, over the same site on the device."""
+        other = copy.copy(self)
+        other._slots = self._allocate(self._room)  # noqa: SLF001 - one of its own
+        return other
 
     def load(self) -> None:
         """Load the kernels, compiling what the cache lacks."""

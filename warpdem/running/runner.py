@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from warpdem.errors import WarpdemError
 from warpdem.output import checkpoint as checkpoints
 from warpdem.output.folder import claimed
+from warpdem.output.scene_keys import flat_scene, refuse_differing
 from warpdem.running.interrupts import Interrupts
 from warpdem.running.progress import Progress
 from warpdem.running.session import Session, frames
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
     from warpdem.output.folder import RunFolder
     from warpdem.rockfall.share import Share
     from warpdem.simulation import Simulation
-
-NAMED = 5
-"""Changed keys an error names; the others it counts."""
 
 
 def run(
@@ -112,13 +110,7 @@ def _run_smooth(
 def _resumable(scene: Scene, folder: RunFolder) -> Checkpoint:
     """The folder's checkpoint, if it is one of this scene."""
     start = checkpoints.load(folder.checkpoint)
-    changed = checkpoints.changed_keys(start.scene, checkpoints.flat_scene(scene))
-    if changed:
-        more = f" and {len(changed) - NAMED} more" if len(changed) > NAMED else ""
-        raise WarpdemError(
-            f"{folder.path}: cannot resume, the scene differs from the one that was run in "
-            f"{', '.join(changed[:NAMED])}{more}"
-        )
+    refuse_differing(folder.path, checkpoints.changed_keys(start.scene, flat_scene(scene)))
     return start
 
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from warpdem import __version__
-from warpdem.errors import OutputError, UnstableError
-from warpdem.output import checkpoint as checkpoints
+from warpdem.errors import OutputError
 from warpdem.output import summary
 from warpdem.output.checkpoint import Checkpoint
 from warpdem.output.recorder import Recorder
+from warpdem.output.scene_keys import flat_scene
 from warpdem.output.writer import Writer, told
+from warpdem.running.failures import summarised
 from warpdem.running.interrupts import SIGNALLED
 from warpdem.running.progress import Progress, duration
 from warpdem.running.schedule import Schedule
@@ -52,7 +52,7 @@ class Session:
         self._saves = Schedule(own_interval, self._frames.end, last) if own_interval else None
         self._frame_count = self.start.frame_count if self.start else 0
         self._told = 0
-        self._flat_scene = checkpoints.flat_scene(self.scene)
+        self._flat_scene = flat_scene(self.scene)
         self._began = time.monotonic()
         self._first_time, self._first_step = self.simulation.time, self.simulation.step_count
 
@@ -68,17 +68,8 @@ class Session:
         """
         self.interrupts.patient = True
         self._tell_notes()
-        try:
+        with summarised(self.progress, self._summarise, self._way_on):
             self._simulate()
-        except UnstableError as fault:
-            self._summarise("unstable", error=str(fault))
-            raise
-        except OutputError as fault:
-            with contextlib.suppress(OutputError):
-                self._summarise("failed", error=str(fault))
-            raise OutputError(self._after_failure(fault)) from fault
-        finally:
-            self.progress.clear()
         return self._conclude()
 
     def _simulate(self) -> None:
@@ -177,10 +168,9 @@ class Session:
             self.progress.tell(note)
         self._told = len(notes)
 
-    def _after_failure(self, fault: OutputError) -> str:
-        if not self.folder.checkpoint.exists():
-            return str(fault)
-        return f"{fault}; the last checkpoint is good, --resume goes on from it"
+    def _way_on(self) -> str:
+        good = self.folder.checkpoint.exists()
+        return "the last checkpoint is good, --resume goes on from it" if good else ""
 
     def _summarise(self, status: str, **more: str) -> None:
         facts = {"status": status, **more, **self._facts(), "notes": self._notes()}

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from warpdem.arrays import FloatArray, IntArray
 
 
-def shared(ids: IntArray, weights: Sequence[float]) -> tuple[IntArray, IntArray]:
+def apportioned(ids: IntArray, weights: Sequence[float]) -> tuple[IntArray, IntArray]:
     """Release of each trajectory, and how many earlier ones it has had; shapes [n].
 
     Turn r of release k comes at the time (r + 1/2) / w_k; trajectories follow the turns in time,
