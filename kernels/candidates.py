@@ -320,7 +320,7 @@ def find_candidates(
         # model
         geometry: Geometry,
         # in
-        skin: real,
+        gap: real,
         bodies: Bodies,
         pairs: Pairs,
         cell: Cell,
@@ -339,6 +339,7 @@ def find_candidates(
             d = bodies.position[i] - bodies.position[j]
             if wp.static(periodic):
                 d -= cell.edges[0] * real_vector(pairs.image[pair])
+            skin = bodies.reach[i] + bodies.reach[j] + gap
             reach = geometry.radius[i] + geometry.radius[j] + skin
             whole = bool(True)
             if wp.static(surfaces):

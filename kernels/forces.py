@@ -136,7 +136,11 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         if pair >= span[1] or clock.halted[0] != 0:
             return
         start = pairs.start[pair]
-        end = pairs.start[pair + 1]
+        end = int(0)
+        if wp.static(laws.polyhedra):
+            end = pairs.hot_end[pair]
+        else:
+            end = pairs.start[pair + 1]
         if start == end:
             return
         i = pairs.owner[pair]

@@ -109,9 +109,9 @@ def meeting(*, bonds: bool) -> wp.Function:
         j: int,
         m: wp.vec3i,
         n: wp.vec3i,
-        skin: real,
+        gap: real,
     ) -> bool:
-        """Whether i owns its pair with image n of j, and they could touch within the skin."""
+        """Whether i owns its pair with image n of j, and they could touch within their skins."""
         if i == j:
             if inertia.inverse_mass[i] == real(0.0) or not comes_first(m):
                 return False
@@ -123,6 +123,7 @@ def meeting(*, bonds: bool) -> wp.Function:
                 if glued(glue, i, j):
                     return False
         d = bodies.position[i] - bodies.position[j] - cell.edges[0] * real_vector(n)
+        skin = bodies.reach[i] + bodies.reach[j] + gap
         return bodies_near(geometry, bodies, i, j, d, skin)
 
     return meets
@@ -146,7 +147,8 @@ def find_images(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.K
         tree_reach: vec3,
         surface_body: wp.array(dtype=wp.int32),
         # in
-        skin: real,
+        gap: real,
+        widest: real,
         bodies: Bodies,
         glue: Bonds,
         cell: Cell,
@@ -167,7 +169,8 @@ def find_images(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.K
         edges = cell.edges[0]
         inverse = wp.inverse(edges)
         s = inverse * (wrapped[i] - cell.centre[0])
-        grown = geometry.bound[i] + skin
+        own = bodies.reach[i] + gap
+        grown = geometry.bound[i] + own + widest
         reach = vec3(grown + grid_bound)
         if wp.static(large):
             reach = wp.max(reach, vec3(grown) + tree_reach)
@@ -181,7 +184,7 @@ def find_images(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.K
                         for j in wp.hash_grid_query(grid, x, grown + grid_bound):
                             n = m + home[i] - home[j]
                             if geometry.large[j] == 0 and passes(m, cell.spanning[j]):
-                                if meets(geometry, inertia, bodies, glue, cell, i, j, m, n, skin):
+                                if meets(geometry, inertia, bodies, glue, cell, i, j, m, n, gap):
                                     if wp.static(fill):
                                         insert_image(partner, image, first, first + count, j, n)
                                     count += 1
@@ -195,7 +198,7 @@ def find_images(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.K
                             j = tree_body[item]
                             n = m + home[i] - home[j]
                             if passes(m, cell.spanning[j]):
-                                if meets(geometry, inertia, bodies, glue, cell, i, j, m, n, skin):
+                                if meets(geometry, inertia, bodies, glue, cell, i, j, m, n, gap):
                                     if wp.static(fill):
                                         insert_image(partner, image, first, first + count, j, n)
                                     count += 1
@@ -204,7 +207,7 @@ def find_images(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.K
             for k in range(surface_body.shape[0]):
                 j = surface_body[k]
                 if owns(geometry, inertia, i, j):
-                    if surface_near(geometry, bodies, i, j, skin):
+                    if surface_near(geometry, bodies, i, j, own + bodies.reach[j]):
                         if wp.static(fill):
                             insert_image(partner, image, first, first + count, j, wp.vec3i())
                         count += 1

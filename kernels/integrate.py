@@ -1,10 +1,12 @@
 """Kick-drift-kick on linear momentum and world angular momentum; one thread a body.
 
-A step is: half kick and drift (``drift``), forces, half kick (``kick``). Tuckerman, Berne & Martyna
+A step is: half kick and drift, forces, half kick; the last half of one and the first of the next
+are one pass over the bodies (``advance``). Tuckerman, Berne & Martyna
 (1992), doi:10.1063/1.463137, for the scheme; tools/design for the measurements.
 """
 
 import functools
+from typing import NamedTuple
 
 import warp as wp
 from warpdem.kernels.driving import follow, respond
@@ -39,10 +41,10 @@ def place_arms(geometry: Geometry, bodies: Bodies, body: int):
     """Vertices of a body about its centre in world axes [m]."""
     shape = geometry.shape[body]
     first = geometry.vertex_start[shape]
-    scale = geometry.scale[body]
+    grown = bodies.rotation[body] * geometry.scale[body]
     start = geometry.arm_start[body]
     for k in range(geometry.vertex_start[shape + 1] - first):
-        bodies.arm[start + k] = bodies.rotation[body] * geometry.vertex[first + k] * scale
+        bodies.arm[start + k] = grown * geometry.vertex[first + k]
 
 
 @inlined()
@@ -51,48 +53,75 @@ def turn(geometry: Geometry, bodies: Bodies, body: int) -> real:
     return arc(bodies.orientation[body], bodies.listed_orientation[body])
 
 
+@inlined()
+def turned_not(geometry: Geometry, bodies: Bodies, body: int) -> real:
+    """``turn`` of bodies whose turning moves nothing."""
+    return real(0.0)
+
+
+@wp.func
+def flies(speed: real, spinning: real, bound: real, dt: real) -> bool:
+    """Whether a body moves more than its own size in one step, or has no velocity (NaN)."""
+    return not ((speed + real(0.3) * spinning * bound) * dt <= bound)
+
+
 @functools.cache
-def watching(*, surfaces: bool) -> wp.Function:
-    """Function that notes a body that left its skin, or flew off; ``surfaces``: some move."""
+def watching(*, paths: bool, surfaces: bool, turns: bool, deforming: bool) -> wp.Function:
+    """Function that notes a body that left its skin, or flew off.
+
+    ``paths``: the way of its farthest point is summed up, and spares the look at where it was
+    listed; ``surfaces``: some surface moves; ``turns``: turning moves something.
+    """
     turn_of = tilt if surfaces else turn
+    if not turns:
+        turn_of = turned_not
 
     @inlined()
-    def watch(geometry: Geometry, bodies: Bodies, clock: Clock, body: int, dt: real):
-        """Note a body that left its skin, or moved more than its own size in one step (or NaN).
-
-        ``dt`` 0 looks for NaN alone.
-        """
+    def watch(
+        geometry: Geometry,
+        bodies: Bodies,
+        cell: Cell,
+        clock: Clock,
+        body: int,
+        velocity: vec3,
+        spin: vec3,
+        lever: real,
+        dt: real,
+        watched: real,
+    ):
+        """``watched`` is the step for which flying off counts; 0 looks for NaN alone."""
         bound = geometry.bound[body]
-        speed = wp.length(bodies.velocity[body])
-        turn = wp.length(bodies.spin[body])
-        if not ((speed + real(0.3) * turn * bound) * dt <= bound):
+        reach = bodies.reach[body]
+        own = velocity
+        if wp.static(deforming):
+            # in a cell that deforms: motion against the cell's
+            inside = bodies.position[body] - cell.centre[0]
+            gradient = cell.rate[0] * wp.inverse(cell.edges[0])
+            own = velocity - gradient * inside
+        speed = wp.length(own)
+        spinning = wp.length(spin)
+        if flies(speed, spinning, bound, watched):
             clock.fault[0] = 1
-        moved = wp.length(bodies.position[body] - bodies.listed_position[body])
+        if wp.static(paths):
+            pace = speed + (bound + lever) * spinning
+            if wp.static(deforming):
+                pace += wp.sqrt(wp.ddot(gradient, gradient)) * (bound + reach)
+            path = bodies.path[body] + pace * dt
+            bodies.path[body] = path
+            if path <= reach:
+                return
+        away = bodies.position[body] - bodies.listed_position[body]
+        stretched = real(0.0)
+        if wp.static(deforming):
+            # with F = H H_listed^-1 and u = x - F x_listed, d = u_i - u_j + F d_listed of all images
+            listed = bodies.listed_position[body] - cell.centre[0]
+            away = inside - cell.since[0] * listed
+            stretched = cell.stretch[0] * (bound + reach)
         turned = turn_of(geometry, bodies, body)
-        if not (moved + bound * turned <= clock.reach[0]):
+        if not (wp.length(away) + (bound + lever) * turned + stretched <= reach):
             clock.moved[0] = 1
 
     return watch
-
-
-@inlined()
-def watch_flow(geometry: Geometry, bodies: Bodies, cell: Cell, clock: Clock, body: int, dt: real):
-    """``watch`` in a cell that deforms: motion against the cell's since the lists were made.
-
-    With F = H H_listed^-1 and u = x - F x_listed, d = u_i - u_j + F d_listed for every image.
-    """
-    bound = geometry.bound[body]
-    centre = cell.centre[0]
-    x = bodies.position[body] - centre
-    speed = wp.length(bodies.velocity[body] - cell.rate[0] * wp.inverse(cell.edges[0]) * x)
-    turn = wp.length(bodies.spin[body])
-    if not ((speed + real(0.3) * turn * bound) * dt <= bound):
-        clock.fault[0] = 1
-    moved = wp.length(x - cell.since[0] * (bodies.listed_position[body] - centre))
-    turned = arc(bodies.orientation[body], bodies.listed_orientation[body])
-    stretched = cell.stretch[0] * (bound + clock.reach[0])
-    if not (moved + bound * turned + stretched <= clock.reach[0]):
-        clock.moved[0] = 1
 
 
 @plain
@@ -106,84 +135,6 @@ def orient(
     body = wp.tid()
     bodies.rotation[body] = wp.quat_to_matrix(bodies.orientation[body])
     place_arms(geometry, bodies, body)
-
-
-@functools.cache
-def drift(
-    rotate: wp.Function,
-    *,
-    predicted: bool,
-    driven: bool,
-    controlled: bool,
-    stepwise: bool,
-    contacts: bool,
-    surfaces: bool,
-    deforming: bool,
-) -> wp.Kernel:
-    """Kernel of the first half kick and the drift; ``rotate`` is a drift of kernels.rotation."""
-    watch = watching(surfaces=surfaces and driven)
-    follow_drives = follow(controlled=controlled, stepwise=stepwise)
-
-    @variant
-    def drift(
-        # model
-        geometry: Geometry,
-        inertia: Inertia,
-        # in
-        dt: real,
-        span: wp.array(dtype=wp.int32),
-        cell: Cell,
-        # in and out
-        drives: Drives,
-        bodies: Bodies,
-        # out
-        clock: Clock,
-    ):
-        body = wp.tid() + span[0]
-        if body >= span[1] or clock.halted[0] != 0:
-            return
-        half = real(0.5) * dt
-        if inertia.inverse_mass[body] == real(0.0):
-            if wp.static(driven):
-                if inertia.driven[body] != 0:
-                    follow_drives(inertia, drives, bodies, body, dt)
-                    bodies.rotation[body] = wp.quat_to_matrix(bodies.orientation[body])
-                    place_arms(geometry, bodies, body)
-                    watch(geometry, bodies, clock, body, real(0.0))
-            return
-        force = bodies.force[body]
-        torque = bodies.torque[body]
-        momentum = bodies.momentum[body] + force * half
-        velocity = momentum * inertia.inverse_mass[body]
-        bodies.momentum[body] = momentum
-        bodies.velocity[body] = velocity
-        bodies.position[body] = bodies.position[body] + velocity * dt
-        q, spun = rotate(
-            bodies.orientation[body],
-            bodies.angular_momentum[body],
-            torque,
-            inertia.moment[body],
-            dt,
-        )
-        bodies.orientation[body] = q
-        bodies.angular_momentum[body] = spun
-        rotation = wp.quat_to_matrix(q)
-        bodies.rotation[body] = rotation
-        inverse = inertia.inverse_moment[body]
-        bodies.spin[body] = world_inverse(rotation, inverse, spun)
-        if wp.static(predicted):
-            bodies.velocity_end[body] = velocity + force * (half * inertia.inverse_mass[body])
-            bodies.spin_end[body] = world_inverse(rotation, inverse, spun + torque * half)
-        place_arms(geometry, bodies, body)
-        watched = dt
-        if wp.static(not contacts):
-            watched = real(0.0)
-        if wp.static(deforming):
-            watch_flow(geometry, bodies, cell, clock, body, watched)
-        else:
-            watch(geometry, bodies, clock, body, watched)
-
-    return drift
 
 
 @plain
@@ -244,67 +195,181 @@ def gather_bonds(bonds: Bonds, joined: Incidence, body: int):
     return force, torque
 
 
-@functools.cache
-def kick(
-    torque_of: wp.Function,
-    forces: Forces,
-    *,
-    contacts: bool,
-    braking: bool,
-    bonds: bool,
-    controlled: bool,
-    work: bool,
-    deforming: bool,
-) -> wp.Kernel:
-    """Kernel of the gathering of forces and the second half kick.
+class Motion(NamedTuple):
+    """What moving the bodies of a scene needs; every field that is False is compiled out."""
 
-    ``braking``: dashpots ask how many pairs act on a body; ``controlled``: some driven bodies
-    follow a force; ``work``: account of the work of all.
+    predicted: bool  # velocities are predicted for the end of the step
+    contacts: bool
+    paths: bool  # there are hot lists
+    turns: bool  # orientations are followed
+    spherical: bool  # all moments of inertia are alike
+    braking: bool  # dashpots ask how many pairs act on a body
+    bonds: bool
+    driven: bool
+    controlled: bool  # some driven bodies follow a force
+    stepwise: bool  # positions of driven bodies are summed up
+    surfaces: bool  # some surface is driven
+    work: bool  # account is kept of the work of all
+    deforming: bool
+
+
+@functools.cache
+def gathering(motion: Motion) -> wp.Function:
+    """Function of the force and torque on a body from its pairs and bonds."""
+
+    @inlined()
+    def gathering(
+        pairs: Pairs,
+        incidence: Incidence,
+        glue: Bonds,
+        joined: Incidence,
+        bodies: Bodies,
+        body: int,
+    ):
+        force = vec3()
+        torque = vec3()
+        if wp.static(motion.contacts):
+            force, torque, acting = gather(pairs, incidence, body)
+            if wp.static(motion.braking):
+                bodies.braked[body] = acting
+        if wp.static(motion.bonds):
+            held, turning = gather_bonds(glue, joined, body)
+            force += held
+            torque += turning
+        return force, torque
+
+    return gathering
+
+
+@functools.cache
+def driving(motion: Motion) -> wp.Function:
+    """Function of the second and first half of a step of a body without inverse mass."""
+    gather_all = gathering(motion)
+    follow_drives = follow(controlled=motion.controlled, stepwise=motion.stepwise)
+    watch = watching(paths=motion.paths, surfaces=motion.surfaces, turns=True, deforming=False)
+
+    @inlined()
+    def driving(
+        geometry: Geometry,
+        inertia: Inertia,
+        lever: real,
+        dt: real,
+        kicks: int,
+        drifts: int,
+        pairs: Pairs,
+        incidence: Incidence,
+        glue: Bonds,
+        joined: Incidence,
+        cell: Cell,
+        drives: Drives,
+        bodies: Bodies,
+        clock: Clock,
+        energy: Account,
+        body: int,
+    ):
+        if inertia.driven[body] == 0:
+            return
+        if wp.static(motion.controlled or motion.work):
+            if kicks != 0:
+                force, torque = gather_all(pairs, incidence, glue, joined, bodies, body)
+                if wp.static(motion.controlled):
+                    respond(inertia, drives, bodies, body, force, torque, dt)
+                if wp.static(motion.work):
+                    power = -wp.dot(force, bodies.velocity_end[body])
+                    power -= wp.dot(torque, bodies.spin_end[body])
+                    book(energy, body, power, dt)
+        if drifts != 0:
+            before = bodies.position[body]
+            faced = bodies.orientation[body]
+            follow_drives(inertia, drives, bodies, body, dt)
+            bodies.rotation[body] = wp.quat_to_matrix(bodies.orientation[body])
+            place_arms(geometry, bodies, body)
+            if wp.static(motion.paths):
+                moved = wp.length(bodies.position[body] - before)
+                moved += (geometry.bound[body] + lever) * arc(bodies.orientation[body], faced)
+                bodies.path[body] = bodies.path[body] + moved
+            watch(
+                geometry,
+                bodies,
+                cell,
+                clock,
+                body,
+                bodies.velocity[body],
+                bodies.spin[body],
+                lever,
+                real(0.0),
+                real(0.0),
+            )
+
+    return driving
+
+
+@functools.cache
+def advance(
+    rotate: wp.Function, torque_of: wp.Function, forces: Forces, motion: Motion
+) -> wp.Kernel:
+    """Kernel of what a body does between two force passes.
+
+    It gathers the wrenches and ends one step with the second half kick where ``kicks`` is not 0,
+    and begins the next with the first half kick and the drift where ``drifts`` is not 0; ``rotate``
+    is a drift of kernels.rotation.
     """
+    gather_all = gathering(motion)
+    drive = driving(motion)
     act = external_forces(forces)
+    watch = watching(
+        paths=motion.paths,
+        surfaces=motion.surfaces,
+        turns=motion.turns,
+        deforming=motion.deforming,
+    )
 
     @variant
-    def kick(
+    def advance(
         # model
+        geometry: Geometry,
         inertia: Inertia,
         gravity: vec3,
         external: External,
         # in
+        lever: real,
         dt: real,
+        kicks: int,
+        drifts: int,
         span: wp.array(dtype=wp.int32),
         pairs: Pairs,
         incidence: Incidence,
         glue: Bonds,
         joined: Incidence,
-        clock: Clock,
         cell: Cell,
         # in and out
         drives: Drives,
         bodies: Bodies,
         # out
+        clock: Clock,
         energy: Account,
     ):
         body = wp.tid() + span[0]
         if body >= span[1] or clock.halted[0] != 0:
             return
-        free = inertia.inverse_mass[body] != real(0.0)
-        if not free:
-            if wp.static(not (controlled or work)):
-                return
-            if inertia.driven[body] == 0:
-                return
+        inverse_mass = inertia.inverse_mass[body]
+        if inverse_mass == real(0.0):
+            if wp.static(motion.driven):
+                # fmt: off
+                drive(
+                    geometry, inertia, lever, dt, kicks, drifts, pairs, incidence, glue, joined,
+                    cell, drives, bodies, clock, energy, body,
+                )
+                # fmt: on
+            return
+        half = real(0.5) * dt
+        momentum = bodies.momentum[body]
+        spun = bodies.angular_momentum[body]
         force = vec3()
         torque = vec3()
-        if wp.static(contacts):
-            force, torque, acting = gather(pairs, incidence, body)
-            if wp.static(braking):
-                bodies.braked[body] = acting
-        if wp.static(bonds):
-            held, turning = gather_bonds(glue, joined, body)
-            force += held
-            torque += turning
-        if free:
-            weight = gravity / inertia.inverse_mass[body]
+        if kicks != 0:
+            force, torque = gather_all(pairs, incidence, glue, joined, bodies, body)
+            weight = gravity * inertia.mass[body]
             if wp.static(forces.some):
                 force, torque, power = act(
                     inertia, external, bodies, weight, body, force, torque, dt
@@ -313,24 +378,54 @@ def kick(
                     book(energy, body, power, dt)
             else:
                 force += weight
-            spun = bodies.angular_momentum[body]
             torque = torque_of(torque, bodies.spin[body], spun)
-            half = real(0.5) * dt
-            if wp.static(deforming):
+            if wp.static(motion.deforming):
                 # the homogeneous flow accelerates with the cell
-                x = (bodies.position[body] - cell.centre[0]) / inertia.inverse_mass[body]
+                x = (bodies.position[body] - cell.centre[0]) * inertia.mass[body]
                 force += cell.acceleration[0] * x
-                bodies.momentum[body] = bodies.momentum[body] + cell.jump[0] * x
-            bodies.force[body] = force
-            bodies.torque[body] = torque
-            bodies.momentum[body] = bodies.momentum[body] + force * half
-            bodies.angular_momentum[body] = spun + torque * half
+                momentum += cell.jump[0] * x
+            momentum += force * half
+            spun += torque * half
+            if drifts == 0:
+                bodies.force[body] = force
+                bodies.torque[body] = torque
         else:
-            if wp.static(controlled):
-                respond(inertia, drives, bodies, body, force, torque, dt)
-            if wp.static(work):
-                power = -wp.dot(force, bodies.velocity_end[body])
-                power -= wp.dot(torque, bodies.spin_end[body])
-                book(energy, body, power, dt)
+            force = bodies.force[body]
+            torque = bodies.torque[body]
+        if drifts != 0:
+            momentum += force * half
+            velocity = momentum * inverse_mass
+            bodies.velocity[body] = velocity
+            bodies.position[body] = bodies.position[body] + velocity * dt
+            inverse = inertia.inverse_moment[body]
+            spin = vec3()
+            ahead = vec3()
+            if wp.static(motion.turns):
+                q, turned = rotate(bodies.orientation[body], spun, torque, inertia.moment[body], dt)
+                spun = turned
+                bodies.orientation[body] = q
+                rotation = wp.quat_to_matrix(q)
+                bodies.rotation[body] = rotation
+                if wp.static(motion.spherical):
+                    spin = spun * inverse[0]
+                    ahead = torque * (half * inverse[0])
+                else:
+                    spin = world_inverse(rotation, inverse, spun)
+                    ahead = world_inverse(rotation, inverse, torque * half)
+                place_arms(geometry, bodies, body)
+            else:
+                spun += torque * half
+                spin = spun * inverse[0]
+                ahead = torque * (half * inverse[0])
+            bodies.spin[body] = spin
+            if wp.static(motion.predicted):
+                bodies.velocity_end[body] = velocity + force * (half * inverse_mass)
+                bodies.spin_end[body] = spin + ahead
+            watched = dt
+            if wp.static(not motion.contacts):
+                watched = real(0.0)
+            watch(geometry, bodies, cell, clock, body, velocity, spin, lever, dt, watched)
+        bodies.momentum[body] = momentum
+        bodies.angular_momentum[body] = spun
 
-    return kick
+    return advance

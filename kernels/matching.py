@@ -56,7 +56,10 @@ def hand_over(gap_of: wp.Function, laws: Laws) -> wp.Function:
         touching: int,
     ):
         reach = geometry.radius[i] + geometry.radius[j]
-        for c in range(start, end):
+        for k in range(start, end):
+            c = k
+            if wp.static(laws.polyhedra):
+                c = candidates.hot[k]
             past = candidates.past[c]
             if past[3] <= real(-2.0):
                 hit = gap_of(geometry, bodies, i, j, d, real(0.0), candidates.code[c])
@@ -115,8 +118,13 @@ def same_image(
 
 
 @functools.cache
-def carry_history(*, rolling: bool, shares: bool, last: bool, periodic: bool) -> wp.Kernel:
-    """Kernel that moves what contacts remember from the old lists into the new ones, by merging."""
+def carry_history(
+    *, rolling: bool, shares: bool, last: bool, periodic: bool, hot: bool
+) -> wp.Kernel:
+    """Kernel that moves what contacts remember from the old lists into the new ones, by merging.
+
+    ``hot``: there are hot lists, which begin anew.
+    """
 
     @variant
     def carry_history(
@@ -167,12 +175,17 @@ def carry_history(*, rolling: bool, shares: bool, last: bool, periodic: bool) ->
                     if wp.static(last):
                         gap = old_last[k]
             candidates.past[c] = past
+            if wp.static(hot):
+                candidates.clear[c] = real(0.0)
             if wp.static(rolling):
                 candidates.rolled[c] = rolled
             if wp.static(shares):
                 candidates.share[c] = share
             if wp.static(last):
                 candidates.last[c] = gap
+        if wp.static(hot):
+            pairs.hot_end[pair] = pairs.start[pair]
+            pairs.cold[pair] = real(-1.0)
         pairs.touching[pair] = 0
         pairs.force[pair] = vec3()
         pairs.torque[pair] = vec3()

@@ -30,26 +30,37 @@ PARALLEL = wp.constant(real(1.0e-10))
 
 @wp.struct
 class Hit:
-    """Signed distance of a feature pair (``FAR`` when apart); the rest is set in overlap."""
+    """Signed distance of a feature pair (``FAR`` when apart); the rest is set in overlap.
+
+    Numbers alone: a flag among them would be padded, and copied through memory by the compiler.
+    """
 
     gap: real
-    admissible: bool  # the closest points lie inside both features
+    outside: real  # 0 when the closest points lie inside both features, else 1
     normal: vec3
     point: vec3
 
 
 @wp.func
-def between(p: vec3, q: vec3, radius_i: real, radius_j: real, margin: real, inside: bool) -> Hit:
-    """Contact of two core points, p on the owner; ``FAR`` beyond ``margin``."""
+def apart() -> Hit:
+    """No contact, however near."""
     hit = Hit()
-    hit.admissible = inside
     hit.gap = FAR
+    hit.outside = real(1.0)
+    return hit
+
+
+@wp.func
+def between(p: vec3, q: vec3, radius_i: real, radius_j: real, margin: real, outside: real) -> Hit:
+    """Contact of two core points, p on the owner; ``FAR`` beyond ``margin``."""
     d = p - q
     reach = radius_i + radius_j + margin
     square = wp.dot(d, d)
     if square >= reach * reach:
-        return hit
+        return apart()
     distance = wp.sqrt(square)
+    hit = Hit()
+    hit.outside = outside
     hit.gap = distance - radius_i - radius_j
     if distance > real(0.0):
         hit.normal = d / distance
@@ -65,11 +76,11 @@ def vertex_edge(
     e = b - a
     square = wp.dot(e, e)
     r = wp.dot(p - a, e)
-    inside = r > real(0.0) and r < square
+    outside = wp.where(r > real(0.0) and r < square, real(0.0), real(1.0))
     foot = a + e * (wp.clamp(r, real(0.0), square) / square)
     if sign > real(0.0):
-        return between(p, foot, radius_v, radius_e, margin, inside)
-    return between(foot, p, radius_e, radius_v, margin, inside)
+        return between(p, foot, radius_v, radius_e, margin, outside)
+    return between(foot, p, radius_e, radius_v, margin, outside)
 
 
 @wp.func
@@ -87,15 +98,14 @@ def edge_edge(
     vw = wp.dot(v, w)
     area = uu * vv - uv * uv
     if area <= PARALLEL * uu * vv:
-        hit = Hit()
-        hit.gap = FAR
-        return hit
+        return apart()
     s = (uv * vw - vv * uw) / area
     t = (uu * vw - uv * uw) / area
     inside = s > real(0.0) and s < real(1.0) and t > real(0.0) and t < real(1.0)
+    outside = wp.where(inside, real(0.0), real(1.0))
     s = wp.clamp(s, real(0.0), real(1.0))
     t = wp.clamp(t, real(0.0), real(1.0))
-    return between(p + u * s, q + v * t, radius_i, radius_j, margin, inside)
+    return between(p + u * s, q + v * t, radius_i, radius_j, margin, outside)
 
 
 @inlined()
@@ -167,18 +177,21 @@ def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
             if geometry.two_sided[shape] != 0 and height < real(0.0):
                 height = -height
                 side = real(-1.0)
-        hit = Hit()
-        hit.gap = height * scale - radius_v - radius_f
-        if hit.gap >= margin:
-            return hit
+        gap = height * scale - radius_v - radius_f
+        if gap >= margin:
+            return apart()
+        inside = bool(False)
         if height >= -geometry.depth[index]:
             if wp.static(convex):
-                hit.admissible = inside_convex(geometry, index, x, height)
+                inside = inside_convex(geometry, index, x, height)
             else:
                 if geometry.face_convex[index] != 0:
-                    hit.admissible = inside_convex(geometry, index, x, height)
+                    inside = inside_convex(geometry, index, x, height)
                 else:
-                    hit.admissible = inside_polygon(geometry, shape, index, x)
+                    inside = inside_polygon(geometry, shape, index, x)
+        hit = Hit()
+        hit.gap = gap
+        hit.outside = wp.where(inside, real(0.0), real(1.0))
         hit.normal = rotation * normal * side
         hit.point = p - hit.normal * (radius_v + real(0.5) * hit.gap)
         return hit
@@ -202,7 +215,6 @@ def in_cone(geometry: Geometry, bodies: Bodies, body: int, feature: int, directi
 def vertex_surface(height: real, normal: vec3, p: vec3, radius_v: real) -> Hit:
     """Vertex p, ``height`` above an analytic surface along its normal; at any depth."""
     hit = Hit()
-    hit.admissible = True
     hit.gap = height - radius_v
     hit.normal = normal
     hit.point = p - normal * (radius_v + real(0.5) * hit.gap)
@@ -217,7 +229,7 @@ def feature_pair(
     face = vertex_face(convex=convex, two_sided=two_sided)
 
     @inlined()
-    def polyhedral(
+    def bare(
         geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
     ) -> Hit:
         kind = kind_of(code)
@@ -227,43 +239,10 @@ def feature_pair(
         radius_j = geometry.radius[j]
         arm_i = geometry.arm_start[i]
         arm_j = geometry.arm_start[j]
-        hit = Hit()
-        if kind == VF:
-            p = d + bodies.arm[arm_i + a]
-            hit = face(geometry, bodies.rotation[j], j, b, p, radius_i, margin)
-        elif kind == FV:
-            p = bodies.arm[arm_j + b] - d
-            hit = face(geometry, bodies.rotation[i], i, a, p, radius_j, margin)
-            hit.normal = -hit.normal
-            hit.point = hit.point + d
-        elif kind == VE:
-            ends = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
-            p = d + bodies.arm[arm_i + a]
-            hit = vertex_edge(
-                p,
-                bodies.arm[arm_j + ends[0]],
-                bodies.arm[arm_j + ends[1]],
-                real(1.0),
-                radius_i,
-                radius_j,
-                margin,
-            )
-        elif kind == EV:
-            ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
-            p = bodies.arm[arm_j + b]
-            hit = vertex_edge(
-                p,
-                d + bodies.arm[arm_i + ends[0]],
-                d + bodies.arm[arm_i + ends[1]],
-                real(-1.0),
-                radius_j,
-                radius_i,
-                margin,
-            )
-        elif kind == EE:
+        if kind == EE:
             ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
             others = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
-            hit = edge_edge(
+            return edge_edge(
                 d + bodies.arm[arm_i + ends[0]],
                 d + bodies.arm[arm_i + ends[1]],
                 bodies.arm[arm_j + others[0]],
@@ -272,46 +251,86 @@ def feature_pair(
                 radius_j,
                 margin,
             )
-        else:
-            hit = between(
-                d + bodies.arm[arm_i + a], bodies.arm[arm_j + b], radius_i, radius_j, margin, True
+        if kind == VF:
+            p = d + bodies.arm[arm_i + a]
+            return face(geometry, bodies.rotation[j], j, b, p, radius_i, margin)
+        if kind == FV:
+            p = bodies.arm[arm_j + b] - d
+            hit = face(geometry, bodies.rotation[i], i, a, p, radius_j, margin)
+            hit.normal = -hit.normal
+            hit.point = hit.point + d
+            return hit
+        if kind == VE:
+            ends = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
+            return vertex_edge(
+                d + bodies.arm[arm_i + a],
+                bodies.arm[arm_j + ends[0]],
+                bodies.arm[arm_j + ends[1]],
+                real(1.0),
+                radius_i,
+                radius_j,
+                margin,
             )
-        if wp.static(cones):
-            if hit.admissible and hit.gap < real(0.0) and kind != VF and kind != FV:
-                vertices_i = geometry.vertex_start[geometry.shape[i] + 1]
-                vertices_i -= geometry.vertex_start[geometry.shape[i]]
-                vertices_j = geometry.vertex_start[geometry.shape[j] + 1]
-                vertices_j -= geometry.vertex_start[geometry.shape[j]]
-                if kind == EV or kind == EE:
-                    a += vertices_i
-                if kind == VE or kind == EE:
-                    b += vertices_j
-                hit.admissible = in_cone(geometry, bodies, i, a, -hit.normal)
-                if hit.admissible:
-                    hit.admissible = in_cone(geometry, bodies, j, b, hit.normal)
+        if kind == EV:
+            ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
+            return vertex_edge(
+                bodies.arm[arm_j + b],
+                d + bodies.arm[arm_i + ends[0]],
+                d + bodies.arm[arm_i + ends[1]],
+                real(-1.0),
+                radius_j,
+                radius_i,
+                margin,
+            )
+        p = d + bodies.arm[arm_i + a]
+        return between(p, bodies.arm[arm_j + b], radius_i, radius_j, margin, real(0.0))
+
+    @inlined()
+    def in_cones(geometry: Geometry, bodies: Bodies, i: int, j: int, n: vec3, code: wp.int64):
+        kind = kind_of(code)
+        if kind == VF or kind == FV:
+            return True
+        a = feature_of_owner(code)
+        b = feature_of_partner(code)
+        if kind == EV or kind == EE:
+            shape = geometry.shape[i]
+            a += geometry.vertex_start[shape + 1] - geometry.vertex_start[shape]
+        if kind == VE or kind == EE:
+            shape = geometry.shape[j]
+            b += geometry.vertex_start[shape + 1] - geometry.vertex_start[shape]
+        if not in_cone(geometry, bodies, i, a, -n):
+            return False
+        return in_cone(geometry, bodies, j, b, n)
+
+    @inlined()
+    def coned(
+        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
+    ) -> Hit:
+        hit = bare(geometry, bodies, i, j, d, margin, code)
+        if hit.outside == real(0.0) and hit.gap < real(0.0):
+            if not in_cones(geometry, bodies, i, j, hit.normal, code):
+                hit.outside = real(1.0)
         return hit
 
     @inlined()
     def spherical(
         geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
     ) -> Hit:
-        return between(d, vec3(), geometry.radius[i], geometry.radius[j], margin, True)
+        return between(d, vec3(), geometry.radius[i], geometry.radius[j], margin, real(0.0))
 
+    polyhedral = coned if cones else bare
     pair_of = polyhedral if polyhedra else spherical
 
     @inlined()
     def with_surfaces(
         geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
     ) -> Hit:
-        hit = Hit()
-        if kind_of(code) == VS:
-            p = d
-            if wp.static(polyhedra):
-                p = d + bodies.arm[geometry.arm_start[i] + feature_of_owner(code)]
-            height, normal = height_above(geometry, bodies, j, p)
-            hit = vertex_surface(height, normal, p, geometry.radius[i])
-        else:
-            hit = pair_of(geometry, bodies, i, j, d, margin, code)
-        return hit
+        if kind_of(code) != VS:
+            return pair_of(geometry, bodies, i, j, d, margin, code)
+        p = d
+        if wp.static(polyhedra):
+            p = d + bodies.arm[geometry.arm_start[i] + feature_of_owner(code)]
+        height, normal = height_above(geometry, bodies, j, p)
+        return vertex_surface(height, normal, p, geometry.radius[i])
 
     return with_surfaces if surfaces else pair_of

@@ -85,7 +85,8 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
         tree_body: wp.array(dtype=wp.int32),
         surface_body: wp.array(dtype=wp.int32),
         # in
-        skin: real,
+        gap: real,
+        widest: real,
         bodies: Bodies,
         glue: Bonds,
         # out
@@ -100,16 +101,18 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
                 first = ends[i - 1]
         n = int(0)
         x = bodies.position[i]
+        own = bodies.reach[i] + gap
+        grown = geometry.bound[i] + own + widest
         if geometry.large[i] == 0:
-            for j in wp.hash_grid_query(grid, x, geometry.bound[i] + grid_bound + skin):
+            for j in wp.hash_grid_query(grid, x, grown + grid_bound):
                 if geometry.large[j] == 0 and owns(geometry, inertia, i, j):
                     d = x - bodies.position[j]
+                    skin = own + bodies.reach[j]
                     if bodies_near(geometry, bodies, i, j, d, skin) and apart(glue, i, j):
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1
         if wp.static(large):
-            grown = geometry.bound[i] + skin
             # the tree holds single precision: one part in 1e6 outward
             slack = real(1.0e-6) * (wp.length(x) + grown)
             low = x - vec3(grown + slack)
@@ -120,6 +123,7 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
                 j = tree_body[item]
                 if j != i and owns(geometry, inertia, i, j):
                     d = x - bodies.position[j]
+                    skin = own + bodies.reach[j]
                     if bodies_near(geometry, bodies, i, j, d, skin) and apart(glue, i, j):
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
@@ -128,7 +132,7 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
             for k in range(surface_body.shape[0]):
                 j = surface_body[k]
                 if owns(geometry, inertia, i, j):
-                    if surface_near(geometry, bodies, i, j, skin):
+                    if surface_near(geometry, bodies, i, j, own + bodies.reach[j]):
                         if wp.static(fill):
                             insert(partner, first, first + n, j)
                         n += 1
@@ -139,6 +143,28 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
             ends[i] = n
 
     return find_partners
+
+
+@plain
+def set_reach(
+    # model
+    geometry: Geometry,
+    # in
+    ahead: real,
+    least: real,
+    most: real,
+    # in and out
+    bodies: Bodies,
+):
+    """How far each body may go before the lists are renewed: its way in the time ``ahead`` [s].
+
+    No less than ``least`` and no more than ``most`` [m], as lists that would last for ever cost
+    more in every step than they save.
+    """
+    body = wp.tid()
+    speed = wp.length(bodies.velocity[body])
+    pace = speed + geometry.bound[body] * wp.length(bodies.spin[body])
+    bodies.reach[body] = wp.clamp(ahead * pace, least, most)
 
 
 @plain

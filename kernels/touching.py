@@ -46,14 +46,17 @@ def find_touching(laws: Laws) -> wp.Function:
             reach = law.dncut
         freed = real(0.0)
         unrolled = real(0.0)
-        for c in range(start, end):
+        for k in range(start, end):
+            c = k
+            if wp.static(laws.polyhedra):
+                c = candidates.hot[k]
             hit = gap_of(geometry, bodies, i, j, d, margin, candidates.code[c])
             past = candidates.past[c]
             near = hit.gap < reach
             if wp.static(laws.sticky):
                 # what pulled until within this step still has to be paid for it
                 near = near or (past[3] >= real(0.0) and hit.gap < margin)
-            if near and hit.admissible:
+            if near and hit.outside == real(0.0):
                 slot = start + touching
                 candidates.which[slot] = c
                 candidates.normal[slot] = hit.normal
@@ -64,7 +67,7 @@ def find_touching(laws: Laws) -> wp.Function:
                 if wp.static(laws.keep):
                     if wp.static(laws.avalanche):
                         candidates.last[c] = real(0.0)
-                    if not hit.admissible or hit.gap >= margin:
+                    if hit.outside > real(0.0) or hit.gap >= margin:
                         candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
                         if wp.static(laws.rolling):
                             candidates.rolled[c] = vec4()

@@ -57,6 +57,7 @@ class Geometry:
 class Inertia:
     """Masses; zero inverses stand for fixed and driven bodies."""
 
+    mass: wp.array(dtype=real)  # 0 where the inverse is
     inverse_mass: wp.array(dtype=real)
     moment: wp.array(dtype=vec3)
     inverse_moment: wp.array(dtype=vec3)
@@ -81,6 +82,9 @@ class Bodies:
     spin_end: wp.array(dtype=vec3)
     arm: wp.array(dtype=vec3)  # vertices about the centre of mass, world axes
     braked: wp.array(dtype=wp.int32)  # number of pairs that acted in the last pass
+    # way of the farthest point since the lists were made, where there are hot lists [m]
+    path: wp.array(dtype=real)
+    reach: wp.array(dtype=real)  # its part of the skin: so far it may go from where it was listed
     # where the lists were made
     listed_position: wp.array(dtype=vec3)
     listed_orientation: wp.array(dtype=quat)
@@ -144,6 +148,8 @@ class Pairs:
     image: wp.array(dtype=wp.vec3i)  # of the partner, in a periodic cell
     material: wp.array(dtype=wp.int32)
     start: wp.array(dtype=wp.int32)  # first candidate; one entry more than there are pairs
+    hot_end: wp.array(dtype=wp.int32)  # of the hot candidates, which begin where the others do
+    cold: wp.array(dtype=real)  # path of both bodies after which others may touch [m]
     touching: wp.array(dtype=wp.int32)  # number of touching candidates
     force: wp.array(dtype=vec3)  # on the owner
     torque: wp.array(dtype=vec3)  # on the owner, about its centre of mass
@@ -191,7 +197,9 @@ class Candidates:
     rolled: wp.array(dtype=vec4)  # rolling moment: tangent part, and about the normal
     share: wp.array(dtype=real)  # of the pair's stiffness, where shares move
     last: wp.array(dtype=real)  # gap of the last step, where a law needs it
-    # of the touching ones, packed from the start of the pair's slice
+    clear: wp.array(dtype=real)  # path of both bodies before which it cannot touch [m]
+    # of the hot ones, and of the touching ones, packed from the start of the pair's slice
+    hot: wp.array(dtype=wp.int32)
     which: wp.array(dtype=wp.int32)
     normal: wp.array(dtype=vec3)
     point: wp.array(dtype=vec3)  # about the partner's centre of mass
@@ -230,10 +238,9 @@ class Material:
 class Clock:
     """What the host reads between batches of steps, one number each.
 
-    Host threads share ``reach``, ``moved`` and ``fault``; each has its own ``halted``, ``steps``.
+    Host threads share ``moved`` and ``fault``; each has its own ``halted``, ``steps``.
     """
 
-    reach: wp.array(dtype=real)  # half of the skin: how far a body may go from where it was listed
     moved: wp.array(dtype=wp.int32)  # some body went farther
     fault: wp.array(dtype=wp.int32)  # some body moved more than its own size in one step
     halted: wp.array(dtype=wp.int32)  # steps are skipped until the host has looked

@@ -68,6 +68,7 @@ def build(
         surface=surface,
         external=external_of(scene, placement, polyhedra, device),
         skin=_skin(scene, bound[~placement.fixed]),
+        lever=float((geometry.radius.numpy() * ~surface).max(initial=0.0)),
         reach=max((law.dncut or 0.0 for law in scene.contact), default=0.0),
         skin_adapts=scene.run.skin == "auto" and scene.run.list_distance is None,
         keep_within=scene.run.list_distance or 0.0,
@@ -79,7 +80,15 @@ def build(
     )
     cell = cell_of(scene, placement, polyhedra, features, device)
     work = features.work or features.acted
-    state = allocate(device, len(mass), arms, cell, work=work, braking=features.braking)
+    state = allocate(
+        device,
+        len(mass),
+        arms,
+        cell,
+        work=work,
+        braking=features.braking,
+        paths=features.hot_lists,
+    )
     drives = allocate_drives(device, plan, features, state.clock)
     state = replace(state, drives=drives)
     _start(state, placement, mass, moment)
@@ -128,6 +137,7 @@ def _inertia(plan: Plan, mass: FloatArray, moment: FloatArray, device: Any) -> I
     inertia = Inertia()
     driven = np.zeros(len(mass), np.int32)
     driven[plan.bodies] = 1 + np.arange(len(plan.bodies))
+    inertia.mass = on(device, np.where(np.isfinite(mass), mass, 0.0), real)
     inertia.inverse_mass = on(device, 1.0 / mass, real)
     inertia.moment = on(device, np.where(np.isfinite(moment), moment, 0.0), vec3)
     inertia.inverse_moment = on(device, 1.0 / moment, vec3)

@@ -18,7 +18,7 @@ from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.neighbours import find_partners, incidence_keys
 from warpdem.lists import history_kernel
 from warpdem.materials import try_custom_laws
-from warpdem.stages import after_drift, cell_drift, cycle, kick
+from warpdem.stages import advance, after_drift, cell_drift, cycle
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,7 +39,9 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
     kernels: dict[str, wp.Kernel] = {stage.name: stage.kernel for stage in stages}
     kernels["orient"] = orient
     if has.first_step == "gravity":
-        kernels["first kick"] = kick(model, state, lists, share, 0.0, contacts=False).kernel
+        kernels["first kick"] = advance(
+            model, state, lists, share, 0.0, kicks=True, drifts=False, contacts=False
+        ).kernel
     if not has.contacts:
         return kernels
     for fill in (False, True):

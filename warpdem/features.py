@@ -87,6 +87,11 @@ class Features:
         return self.contacts and self.damped and self.predicted
 
     @property
+    def hot_lists(self) -> bool:
+        """Pairs have more than one candidate."""
+        return self.contacts and self.polyhedra
+
+    @property
     def acted(self) -> bool:
         """Account is kept of forces on single bodies."""
         barriers = self.velocity_barrier or self.spin_barrier
@@ -265,6 +270,8 @@ def stage_names(features: Features) -> tuple[str, ...]:
     """The stages of one step, in order."""
     cell = (*(["stress"] if features.cell_sums else []), *(["cell"] if features.deforming else []))
     if not features.contacts:
-        return ("drift", *cell, "kick")
+        return ("kick and drift", *cell)
+    hot = ("hot lists",) if features.hot_lists else ()
     bonds = ("bond forces",) if features.bonds else ()
-    return ("drift", "rebuild if moved", "pair forces", *bonds, *cell, "gather and kick")
+    forces = ("rebuild if moved", *hot, "pair forces", *bonds)
+    return (*forces, *cell, "gather, kick and drift")

@@ -111,14 +111,17 @@ class Images:
     def find(
         self,
         search: tuple[int, float, int, wp.array],
-        skin: float,
+        widest: float,
         glue: Bonds,
         outputs: list[wp.array],
         *,
         fill: bool,
         large: bool,
     ) -> None:
-        """Count or write the pairs; ``search``: grid, its largest radius, tree, bodies in it."""
+        """Count or write the pairs; ``search``: grid, its largest radius, tree, bodies in it.
+
+        ``widest`` is the farthest that a body may go before the next rebuild [m].
+        """
         model, state = self._model, self._state
         wp.launch(
             find_images(
@@ -135,7 +138,8 @@ class Images:
                 *search,
                 self._tree_reach,
                 self._surface_body,
-                skin,
+                model.reach,
+                widest,
                 state.bodies,
                 glue,
                 state.cell,

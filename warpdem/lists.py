@@ -10,7 +10,7 @@ import warp as wp
 from warpdem.images import Images, shorten
 from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.matching import carry_history
-from warpdem.kernels.neighbours import find_partners, incidence_keys, incidence_starts
+from warpdem.kernels.neighbours import find_partners, incidence_keys, incidence_starts, set_reach
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.views import Bonds, Candidates, Incidence, Pairs
 
@@ -22,11 +22,10 @@ if TYPE_CHECKING:
 
 # head room of a list that has to grow
 GROWTH = 1.3
-# the skin grows where lists last fewer steps than the first number, unless there are more
-# candidates a body than the second one; it shrinks where they last longer than the third
-FEW_STEPS, MANY_CANDIDATES, MANY_STEPS = 25, 40, 100
-# by this factor, and never beyond these parts of the first skin
-SKIN_STEP, SKIN_LEAST, SKIN_MOST = 1.25, 0.3, 8.0
+# each body may go as far as it would in so many steps before the lists are renewed, within these
+# parts of half the first skin: by measurement, tools/design/0007
+AHEAD = 60
+REACH_LEAST, REACH_MOST = 0.3, 6.0
 
 
 class Lists:
@@ -37,9 +36,7 @@ class Lists:
         pair_count, candidate_count: Their lengths now.
         pair_room: Pairs for which there is room.
         rebuilds: How often they were made.
-        born: Step at which they were made.
         generation: Changes whenever an array was replaced by a larger one.
-        skin: Distance within which feature pairs are listed now [m].
         has_images: Pairs have images of a periodic cell.
         ends: Where the pairs of each owner end, shape [body_count].
         spent: Energy lost in dashpots, friction, rolling by pairs of earlier lists [J].
@@ -56,8 +53,6 @@ class Lists:
         self.candidate_count = 0
         self.rebuilds = 0
         self.generation = 0
-        self.skin = model.skin
-        self.born = 0
         self.spent = np.zeros(3)
         self.has_images = model.features.periodic
         self._images = Images(model, state) if self.has_images else None
@@ -76,10 +71,10 @@ class Lists:
         self._grow_pairs(1)
         self._grow_candidates(1)
 
-    def rebuild(self, *, adapt: bool = True) -> None:
+    def rebuild(self, dt: float = 0.0, *, again: bool = False) -> None:
         """Make all lists anew at the present positions; contacts keep what they remember.
 
-        Without ``adapt`` the skin stays as it is.
+        ``dt`` is the time step [s]; ``again``: each body's reach stays as it is.
         """
         state = self._state
         wp.copy(state.bodies.listed_position, state.bodies.position)
@@ -89,32 +84,31 @@ class Lists:
             wp.copy(state.cell.listed, state.cell.edges)
         self.settle()
         old = self._keep_old()
-        if adapt:
-            self._adapt_skin()
+        if not again:
+            self._set_reach(dt)
         if self._model.features.surfaces and self._model.features.driven:
             self._measure_surfaces()
         self._find_pairs()
         self._find_candidates()
         self._carry(old)
-        state.clock.reach.fill_(0.5 * self.skin)
+        state.bodies.path.zero_()
         state.clock.moved.zero_()
         state.clock.halted.zero_()
         self.rebuilds += 1
 
-    def _adapt_skin(self) -> None:
-        """A wider skin where bodies are fast and few, a narrower one where slow and many."""
-        step = int(self._state.clock.steps.numpy()[0])
-        lasted, self.born = step - self.born, step
-        if not self._model.skin_adapts or self.rebuilds == 0:
-            return
-        crowded = self.candidate_count > MANY_CANDIDATES * self._model.body_count
-        factor = 1.0
-        if lasted > (FEW_STEPS if crowded else MANY_STEPS):
-            factor = 1.0 / SKIN_STEP
-        elif lasted < FEW_STEPS and not crowded:
-            factor = SKIN_STEP
-        least, most = SKIN_LEAST * self._model.skin, SKIN_MOST * self._model.skin
-        self.skin = min(max(self.skin * factor, least), most)
+    def _set_reach(self, dt: float) -> None:
+        """Let fast bodies go farther before the lists are renewed than slow ones."""
+        model, half = self._model, 0.5 * self._model.skin
+        least, most = half, half
+        if model.skin_adapts and not model.features.deforming:
+            least, most = REACH_LEAST * half, REACH_MOST * half
+        wp.launch(
+            set_reach,
+            dim=model.body_count,
+            inputs=[model.geometry, AHEAD * dt, least, most],
+            outputs=[self._state.bodies],
+            device=model.device,
+        )
 
     def settle(self) -> None:
         """Add what the pairs have dissipated to ``spent``, and start them at zero."""
@@ -152,6 +146,9 @@ class Lists:
         pairs = self.pairs
         for name in ("owner", "partner", "material", "touching"):
             setattr(pairs, name, wp.zeros(room, dtype=wp.int32, device=device))
+        hot = room if self._model.features.hot_lists else 1
+        pairs.hot_end = wp.zeros(hot, dtype=wp.int32, device=device)
+        pairs.cold = wp.zeros(hot, dtype=real, device=device)
         pairs.image = wp.zeros(room if self.has_images else 1, dtype=wp.vec3i, device=device)
         pairs.start = wp.zeros(room + 1, dtype=wp.int32, device=device)
         pairs.force = wp.zeros(room, dtype=vec3, device=device)
@@ -179,6 +176,9 @@ class Lists:
         candidates.share = wp.zeros(shares, dtype=real, device=device)
         last = room if self._model.features.avalanche else 1
         candidates.last = wp.zeros(last, dtype=real, device=device)
+        hot = room if self._model.features.hot_lists else 1
+        candidates.clear = wp.zeros(hot, dtype=real, device=device)
+        candidates.hot = wp.zeros(hot, dtype=wp.int32, device=device)
         candidates.which = wp.zeros(room, dtype=wp.int32, device=device)
         candidates.normal = wp.zeros(room, dtype=vec3, device=device)
         candidates.point = wp.zeros(room, dtype=vec3, device=device)
@@ -211,13 +211,13 @@ class Lists:
         bound = model.geometry.bound.numpy().copy()
         for surface in np.flatnonzero(model.surface):
             away = np.linalg.norm(position[free] - position[surface], axis=1) + bound[free]
-            bound[surface] = away.max(initial=0.0) + self.skin
+            bound[surface] = away.max(initial=0.0) + model.skin
         model.geometry.bound.assign(bound)
 
     def _find_pairs(self) -> None:
         model, bodies = self._model, self._state.bodies
-        reach = self.skin + model.reach
-        cell = max(2.0 * self._grid_bound + reach, 1e-30)
+        widest = float(bodies.reach.numpy().max(initial=0.0))
+        cell = max(2.0 * (self._grid_bound + widest) + model.reach, 1e-30)
         places = bodies.position
         if self._images is not None:
             self._images.wrap(cell)
@@ -234,7 +234,7 @@ class Lists:
             if self._images is not None:
                 search = (self._grid.id, self._grid_bound, tree_id, self._tree_body)
                 outputs.append(self.pairs.image)
-                self._images.find(search, reach, glue, outputs, fill=fill, large=large)
+                self._images.find(search, widest, glue, outputs, fill=fill, large=large)
                 return
             wp.launch(
                 find_partners(
@@ -252,7 +252,8 @@ class Lists:
                     tree_id,
                     self._tree_body,
                     self._surface_body,
-                    reach,
+                    model.reach,
+                    widest,
                     bodies,
                     glue,
                 ],
@@ -338,7 +339,7 @@ class Lists:
                 dim=count,
                 inputs=[
                     model.geometry,
-                    self.skin + model.reach,
+                    model.reach,
                     self._state.bodies,
                     self.pairs,
                     self._state.cell,
@@ -377,4 +378,5 @@ def history_kernel(has: Features) -> wp.Kernel:
         shares=has.partnership != "sum",
         last=has.avalanche,
         periodic=has.periodic,
+        hot=has.hot_lists,
     )

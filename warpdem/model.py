@@ -33,6 +33,7 @@ class Model:
         external: Forces on single bodies (see kernels.views).
         skin: Distance within which feature pairs are listed, at first [m].
         skin_adapts: The scene leaves it to the run.
+        lever: Largest rounding radius: so far from a body another's core may touch it [m].
         reach: Gap up to which some contacts attract [m].
         keep_within: Gap up to which an open contact keeps its history (compat) [m].
         periodic: Axes along which space repeats itself.
@@ -57,6 +58,7 @@ class Model:
     external: External
     skin: float
     skin_adapts: bool
+    lever: float
     reach: float
     keep_within: float
     periodic: tuple[bool, ...]

@@ -31,6 +31,8 @@ BODIES = (
     "spin_end",
     "listed_position",
     "listed_orientation",
+    "reach",
+    "path",
     "braked",
 )
 # of the last force pass: of the pairs, and of the contacts that touched, packed
@@ -50,8 +52,6 @@ def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
     saved["work"] = state.account.work.numpy().copy()
     saved["body_power"] = state.account.body_power.numpy().copy()
     saved["spent"] = lists.spent.copy()
-    saved["skin"] = np.array([lists.skin])
-    saved["born"] = np.array([lists.born])
     n = lists.pair_count
     pairs, candidates = lists.pairs, lists.candidates
     saved["pair_owner"] = pairs.owner.numpy()[:n].copy()
@@ -117,9 +117,8 @@ def _restore_cell(state: State, saved: dict[str, np.ndarray], *, edges: str) -> 
 
 def _relist(state: State, lists: Lists, saved: dict[str, np.ndarray]) -> None:
     """Make the lists where they were made, and lay into them what the contacts remember."""
-    lists.skin = float(saved["skin"][0])
-    lists.rebuild(adapt=False)
-    lists.born = int(saved["born"][0])
+    lists.rebuild(again=True)
+    state.bodies.path.assign(saved["path"])
     _remember(lists, saved)
     _touch(lists, saved)
     lists.spent = saved["spent"].copy()

@@ -27,15 +27,14 @@ from warpdem.kernels.integrate import orient
 from warpdem.lists import Lists
 from warpdem.stages import (
     Stage,
+    acting,
+    advance,
     after_drift,
     areas,
     bonds,
     cell,
     cell_drift,
-    drift,
-    forces,
     halt,
-    kick,
 )
 from warpdem.state import cut
 from warpdem.step_bound import step_bound
@@ -232,7 +231,7 @@ class Simulation:
         model, state, lists = self._model, self._state, self._lists
         self._drift = (
             *cell_drift(model, state, self._whole, self.dt),
-            drift(model, state, self._whole, self.dt),
+            advance(model, state, lists, self._whole, self.dt, kicks=False, drifts=True),
             halt(self._whole),
         )
         self._after = after_drift(model, state, lists, self._whole, self.dt)
@@ -265,21 +264,20 @@ class Simulation:
         wp.copy(state.bodies.listed_orientation, state.bodies.orientation)
         whole = self._whole
         self._blocks.at_rest()
-        self._launch(drift(model, state, whole, 0.0))
+        self._launch(advance(model, state, lists, whole, 0.0, kicks=False, drifts=True))
         if len(model.gauges):
             self._launch(areas(model, state, whole))
         contacts = self.features.contacts
         if contacts:
-            lists.rebuild()
+            lists.rebuild(self.dt)
         else:
-            state.clock.reach.fill_(float("inf"))
+            state.bodies.reach.fill_(float("inf"))
         first = self.features.first_step
-        glued = bonds(model, state, whole, 0.0)
         if contacts and first != "gravity":
             if first == "forces":
                 # exaDEM's friction springs are already one step old at time zero
-                self._launch(forces(model, state, lists, whole, self.dt), *glued)
-                self._launch(kick(model, state, lists, whole, 0.0, contacts=True))
+                self._launch(*acting(model, state, lists, whole, self.dt))
+                self._launch(advance(model, state, lists, whole, 0.0, kicks=True, drifts=False))
                 state.bodies.torque.zero_()
             else:
                 self._launch(*after_drift(model, state, lists, whole, 0.0))
@@ -288,7 +286,10 @@ class Simulation:
             self._lower_step()
         else:
             self._launch(*cell(model, state, lists, whole, 0.0, onward=False))
-            self._launch(*glued, kick(model, state, lists, whole, 0.0, contacts=False))
+            alone = advance(
+                model, state, lists, whole, 0.0, kicks=True, drifts=False, contacts=False
+            )
+            self._launch(*bonds(model, state, whole, 0.0), alone)
         self._make_stages()
 
     def _steps_to(self, until: float) -> int:
@@ -327,7 +328,7 @@ class Simulation:
         if not clock.moved.numpy()[0]:
             return
         self._examine_step()
-        self._lists.rebuild()
+        self._lists.rebuild(self.dt)
         if bonding := self._state.bonding:
             yielded = self.time - self.dt
             bonding.resolve(self._model, self._state, self._lists, dt=self.dt, time=yielded)

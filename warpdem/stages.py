@@ -11,12 +11,13 @@ from warpdem.kernels.cell import drift_cell, kick_cell, sum_stress
 from warpdem.kernels.driving import measure_areas
 from warpdem.kernels.external import Forces
 from warpdem.kernels.forces import pair_forces
-from warpdem.kernels.integrate import drift as drift_kernel
+from warpdem.kernels.integrate import Motion
+from warpdem.kernels.integrate import advance as advance_kernel
 from warpdem.kernels.integrate import halt as halt_kernel
-from warpdem.kernels.integrate import kick as kick_kernel
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.meeting import meet as meet_kernel
 from warpdem.kernels.precision import vec3
+from warpdem.kernels.refresh import refresh
 from warpdem.kernels.rotation import (
     euler_drift,
     free_drift,
@@ -37,6 +38,10 @@ if TYPE_CHECKING:
     from warpdem.state import Share, State
 
 
+# what may touch within so many steps is hot, or within such a part of the first skin
+AHEAD, MARGIN = 10, 0.05
+
+
 @dataclass(frozen=True)
 class Stage:
     """One kernel over a share of all bodies or pairs.
@@ -52,32 +57,6 @@ class Stage:
     kernel: wp.Kernel
     over: Literal["bodies", "pairs", "interfaces", "gauges", "chunks", "one"]
     arguments: tuple[Any, ...]
-
-
-def drift(model: Model, state: State, share: Share, dt: float) -> Stage:
-    """First half kick and drift."""
-    has = model.features
-    kernel = drift_kernel(
-        _rotate(has),
-        predicted=has.predicted,
-        driven=has.driven,
-        controlled=has.controlled,
-        stepwise=has.stepwise,
-        contacts=has.contacts,
-        surfaces=has.surfaces,
-        deforming=has.deforming,
-    )
-    arguments = (
-        model.geometry,
-        model.inertia,
-        dt,
-        share.bodies,
-        state.cell,
-        state.drives,
-        state.bodies,
-        share.clock,
-    )
-    return Stage("drift", kernel, "bodies", arguments)
 
 
 def halt(share: Share) -> Stage:
@@ -131,42 +110,74 @@ def bonds(model: Model, state: State, share: Share, dt: float) -> tuple[Stage, .
     return (Stage("bond forces", bond_forces(laws), "interfaces", arguments),)
 
 
-def kick(
-    model: Model, state: State, lists: Lists, share: Share, dt: float, *, contacts: bool
+def advance(
+    model: Model,
+    state: State,
+    lists: Lists,
+    share: Share,
+    dt: float,
+    *,
+    kicks: bool,
+    drifts: bool,
+    contacts: bool | None = None,
 ) -> Stage:
-    """Gather the wrenches, add body forces, second half kick."""
+    """Gather the wrenches and end a step, where it kicks; begin the next one, where it drifts.
+
+    ``contacts`` False: those of this instant do not act.
+    """
     has = model.features
-    torque = free_torque if has.rotation == "no_squish" else taylor_torque
-    kernel = kick_kernel(
-        torque,
-        forces_on_bodies(has),
-        contacts=contacts,
-        braking=has.braking,
-        bonds=has.bonds,
-        controlled=has.controlled,
-        work=has.work,
-        deforming=has.deforming,
+    chosen = {name: getattr(has, name) for name in Motion._fields if hasattr(has, name)}
+    motion = Motion(
+        **chosen | {"contacts": has.contacts if contacts is None else contacts},
+        paths=has.hot_lists,
+        turns=True,
     )
+    torque = free_torque if has.rotation == "no_squish" else taylor_torque
+    kernel = advance_kernel(_rotate(has), torque, forces_on_bodies(has), motion)
     glue, joined = Bonds(), Incidence()
     if state.bonding:
         glue, joined = state.bonding.bonds, state.bonding.joined
     arguments = (
+        model.geometry,
         model.inertia,
         vec3(*model.gravity),
         model.external,
+        model.lever,
         dt,
+        int(kicks),
+        int(drifts),
         share.bodies,
         lists.pairs,
         lists.incidence,
         glue,
         joined,
-        share.clock,
         state.cell,
         state.drives,
         state.bodies,
+        share.clock,
         state.account,
     )
-    return Stage("gather and kick", kernel, "bodies", arguments)
+    name = "gather, kick and drift" if kicks and drifts else "kick" if kicks else "drift"
+    return Stage(name, kernel, "bodies", arguments)
+
+
+def hot_lists(model: Model, state: State, lists: Lists, share: Share, dt: float) -> Stage:
+    """Renew the hot lists of pairs that have moved."""
+    has = model.features
+    arguments = (
+        model.geometry,
+        model.reach,
+        MARGIN * model.skin,
+        AHEAD * dt,
+        share.pairs,
+        state.bodies,
+        share.clock,
+        state.cell,
+        lists.pairs,
+        lists.candidates,
+    )
+    kernel = refresh(surfaces=has.surfaces, periodic=has.periodic)
+    return Stage("hot lists", kernel, "pairs", arguments)
 
 
 def cell_drift(model: Model, state: State, share: Share, dt: float) -> tuple[Stage, ...]:
@@ -239,32 +250,33 @@ def _rotate(has: Features) -> wp.Function:
     return spherical_drift if has.spherical else free_drift
 
 
+def acting(model: Model, state: State, lists: Lists, share: Share, dt: float) -> tuple[Stage, ...]:
+    """Everything that acts between bodies."""
+    hot = (hot_lists(model, state, lists, share, dt),) if model.features.hot_lists else ()
+    glued = bonds(model, state, share, dt)
+    return (*hot, forces(model, state, lists, share, dt), *glued)
+
+
 def after_drift(
     model: Model, state: State, lists: Lists, share: Share, dt: float, *, onward: bool = False
 ) -> tuple[Stage, ...]:
-    """The stages of a step that follow its drift; ``onward`` the cell drifts into the next one."""
+    """The stages of a step that follow its drift; ``onward`` those of the next drift too."""
     has = model.features
     contacts = has.contacts
-    kicked = kick(model, state, lists, share, dt, contacts=contacts)
+    kicked = advance(model, state, lists, share, dt, kicks=True, drifts=onward)
     deformed = cell(model, state, lists, share, dt, onward=onward)
     measured = (areas(model, state, share),) if len(model.gauges) and share.member == 0 else ()
     waits = (meet(share),) if share.members > 1 and (contacts or has.driven) else ()
     if not contacts:
         return (*measured, *waits, *deformed, kicked)
-    glued = bonds(model, state, share, dt)
-    acting = (forces(model, state, lists, share, dt), *glued)
-    return (*measured, *acting, *waits, *deformed, kicked)
+    return (*measured, *acting(model, state, lists, share, dt), *waits, *deformed, kicked)
 
 
 def cycle(model: Model, state: State, lists: Lists, share: Share, dt: float) -> tuple[Stage, ...]:
-    """From drift to drift.
-
-    A host thread takes the same bodies in each stage, so none waits between kick and drift.
-    """
+    """From drift to drift."""
     waits = (meet(share),) if share.members > 1 else ()
     return (
         *after_drift(model, state, lists, share, dt, onward=True),
-        drift(model, state, share, dt),
         *waits,
         halt(share),
     )

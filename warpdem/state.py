@@ -40,12 +40,19 @@ class State:
 
 
 def allocate(
-    device: Any, body_count: int, arm_count: int, cell: Cell, *, work: bool, braking: bool
+    device: Any,
+    body_count: int,
+    arm_count: int,
+    cell: Cell,
+    *,
+    work: bool,
+    braking: bool,
+    paths: bool,
 ) -> State:
     """A state of zeros, its drives to be given.
 
     ``work``: that of drivers or forces is kept; ``braking``: dashpots ask how many pairs act on a
-    body.
+    body; ``paths``: there are hot lists.
     """
 
     def zeros(dtype: Any, count: int = body_count) -> wp.array:
@@ -61,10 +68,11 @@ def allocate(
     bodies.rotation = zeros(mat33)
     bodies.arm = zeros(vec3, max(arm_count, 1))
     bodies.braked = zeros(wp.int32, body_count if braking else 1)
+    bodies.path = zeros(real, body_count if paths else 1)
+    bodies.reach = zeros(real)
     clock = Clock()
     for name in ("moved", "fault", "halted", "steps"):
         setattr(clock, name, zeros(wp.int32, 1))
-    clock.reach = zeros(real, 1)
     energy = Account()
     kept = body_count if work else 1
     energy.body_power = zeros(real, kept)
@@ -107,7 +115,6 @@ def cut(state: State, body_count: int, members: int, device: Any) -> list[Share]
         clock = state.clock
         if member > 0:
             clock = Clock()
-            clock.reach = state.clock.reach
             clock.moved, clock.fault = state.clock.moved, state.clock.fault
             clock.halted = wp.zeros(1, dtype=wp.int32, device=device)
             clock.steps = wp.zeros(1, dtype=wp.int32, device=device)
