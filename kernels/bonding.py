@@ -23,7 +23,7 @@ ENERGY = wp.constant(4)
 def glued(elastic: real, cn: real, vn: real, beta: real, before: real) -> real:
     """Force of a bond along its normal, pulling or pushing [N].
 
-    ``before`` is that of the last pass, by which vn was predicted; see hooke_predicted.
+    ``before`` is that of the last pass, by which vn was predicted; see predicted_force.
     """
     return (elastic + cn * vn + beta * before) / (real(1.0) + beta)
 

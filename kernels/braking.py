@@ -66,17 +66,24 @@ def sides(inertia: Inertia, bodies: Bodies, body: int) -> real:
     return real(acting)
 
 
-@functools.cache
-def fastest_mode(partnership: str, *, controlled: bool) -> wp.Function:
-    """Function of a body's part of the square of a pair's highest frequency, per stiffness.
+@wp.struct
+class Modes:
+    """How a pair's contacts hold one of its bodies, per stiffness: blocks of M^-1 sum w J J^T."""
 
-    Times the number of pairs that may brake the body along one line.
-    """
+    along: mat33  # [1/kg]
+    about: mat33
+    both: mat33
+    sides: real
+
+
+@functools.cache
+def modes(partnership: str, *, controlled: bool) -> wp.Function:
+    """Function of how a pair's contacts hold one of its bodies."""
     share_of = SHARES.get(partnership)
     mobility_of = mobility(controlled=controlled)
 
     @inlined()
-    def fastest_mode(
+    def modes(
         inertia: Inertia,
         drives: Drives,
         bodies: Bodies,
@@ -87,11 +94,12 @@ def fastest_mode(partnership: str, *, controlled: bool) -> wp.Function:
         touching: int,
         total: real,
         exponent: real,
-    ) -> real:
-        """Bound from above [1/kg]; ``shift`` leads from the partner's centre to the body's."""
+    ) -> Modes:
+        """``shift`` leads from the partner's centre to the body's."""
         own, scale, turning = mobility_of(inertia, drives, bodies, body)
+        found = Modes()
         if scale == vec3() and turning == vec3():
-            return real(0.0)
+            return found
         along = mat33()
         about = mat33()
         both = mat33()
@@ -108,8 +116,70 @@ def fastest_mode(partnership: str, *, controlled: bool) -> wp.Function:
                 along += wp.outer(n, n) * share
                 about += wp.outer(turn, turn) * share
                 both += wp.outer(n, turn) * share
-        coupling = wp.sqrt(wp.ddot(both, both))
-        square = coupled(largest_eigenvalue(along), largest_eigenvalue(about), coupling)
-        return square * sides(inertia, bodies, body)
+        found.along = along
+        found.about = about
+        found.both = both
+        found.sides = sides(inertia, bodies, body)
+        return found
 
-    return fastest_mode
+    return modes
+
+
+@wp.func
+def norm(block: mat33) -> real:
+    """Square root of the sum of the squares of all entries."""
+    return wp.sqrt(wp.ddot(block, block))
+
+
+@wp.func
+def roughly(found: Modes) -> real:
+    """``closely`` or more, in a tenth of its time."""
+    return coupled(norm(found.along), norm(found.about), norm(found.both)) * found.sides
+
+
+@wp.func
+def closely(found: Modes) -> real:
+    """A body's part of the square of a pair's highest frequency, per stiffness, from above [1/kg].
+
+    Times the number of pairs that may brake the body along one line.
+    """
+    along = largest_eigenvalue(found.along)
+    about = largest_eigenvalue(found.about)
+    return coupled(along, about, norm(found.both)) * found.sides
+
+
+@functools.cache
+def braked_share(partnership: str, *, controlled: bool) -> wp.Function:
+    """Function of the implicit share of a pair's dashpots, no less than ``beta``."""
+    modes_of = modes(partnership, controlled=controlled)
+
+    @inlined()
+    def braked_share(
+        inertia: Inertia,
+        drives: Drives,
+        bodies: Bodies,
+        candidates: Candidates,
+        i: int,
+        j: int,
+        d: vec3,
+        start: int,
+        touching: int,
+        total: real,
+        exponent: real,
+        rate: real,
+        beta: real,
+    ) -> real:
+        """``rate`` = dt tau kn [kg]; the close bound is asked for only where it can matter."""
+        # fmt: off
+        own = modes_of(
+            inertia, drives, bodies, candidates, i, d, start, touching, total, exponent
+        )
+        other = modes_of(
+            inertia, drives, bodies, candidates, j, vec3(), start, touching, total, exponent
+        )
+        # fmt: on
+        if implicit_share(rate * (roughly(own) + roughly(other))) <= beta:
+            return beta
+        return wp.max(beta, implicit_share(rate * (closely(own) + closely(other))))
+
+    return braked_share

@@ -269,20 +269,19 @@ def apply_laws(laws: Laws) -> wp.Function:
         i: int,
         j: int,
         d: vec3,
-        slot: int,
+        c: int,
+        normal: vec3,
+        point: vec3,
+        overlap: real,
         total: real,
         tau: real,
         beta: real,
         dt: real,
     ):
-        c = candidates.which[slot]
-        normal = candidates.normal[slot]
-        point = candidates.point[slot]
         force = vec3()
         torque = vec3()
         account = vec4()
         power = vec4()
-        overlap = -candidates.gap[slot]
         distant = bool(False)
         if wp.static(laws.reaching or laws.sticky):
             distant = overlap <= real(0.0)

@@ -7,14 +7,14 @@ follows from all of them. Pass 2 applies the laws, contact by contact, and write
 import functools
 
 import warp as wp
-from warpdem.kernels.braking import fastest_mode, implicit_share
+from warpdem.kernels.braking import braked_share
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.contact import apply_laws
 from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import total_of
-from warpdem.kernels.touching import find_touching, frequency
+from warpdem.kernels.touching import find_single, find_touching, frequency
 from warpdem.kernels.variant import inlined, variant
 from warpdem.kernels.views import (
     Account,
@@ -48,7 +48,7 @@ def dashpot(laws: Laws) -> wp.Function:
     The measure of their shares, the time tau of their dashpot [s], its implicit share beta.
     """
     frequency_of = frequency(laws)
-    fastest_of = fastest_mode(laws.partnership, controlled=laws.controlled)
+    brake = braked_share(laws.partnership, controlled=laws.controlled)
     shares = laws.partnership != "sum"
     total_shares = total_of(laws.partnership) if shares else None
 
@@ -90,30 +90,124 @@ def dashpot(laws: Laws) -> wp.Function:
                     # a wall may be lighter than what it carries
                     several = several or inertia.driven[i] > 0 or inertia.driven[j] > 0
                 if several:
+                    rate = dt * tau * law.kn
                     # fmt: off
-                    fastest = fastest_of(
-                        inertia, drives, bodies, candidates, i, d, start, touching, total,
-                        law.exponent,
-                    ) + fastest_of(
-                        inertia, drives, bodies, candidates, j, vec3(), start, touching, total,
-                        law.exponent,
+                    beta = brake(
+                        inertia, drives, bodies, candidates, i, j, d, start, touching, total,
+                        law.exponent, rate, beta,
                     )
                     # fmt: on
-                    beta = wp.max(beta, implicit_share(dt * tau * law.kn * fastest))
         return total, tau, beta
 
     return dashpot
 
 
-@functools.cache
 def pair_forces(laws: Laws) -> wp.Kernel:
-    """Kernel of the contact wrench of each body pair."""
+    """Kernel of the contact wrench of each body pair.
+
+    Spheres have one candidate a pair, which spares them all lists; where walls follow forces, what
+    touches is packed all the same.
+    """
+    if laws.polyhedra or laws.controlled:
+        return packed_forces(laws)
+    return single_forces(laws)
+
+
+@functools.cache
+def single_forces(laws: Laws) -> wp.Kernel:
+    """Kernel of ``pair_forces`` for pairs of one candidate: its number is the pair's."""
+    find = find_single(laws)
+    apply = apply_laws(laws)
+    dashpot_of = single_dashpot(laws)
+
+    @variant
+    def single_forces(
+        # model
+        geometry: Geometry,
+        inertia: Inertia,
+        materials: wp.array(dtype=Material),
+        # in
+        dt: real,
+        margin: real,
+        span: wp.array(dtype=wp.int32),
+        bodies: Bodies,
+        clock: Clock,
+        cell: Cell,
+        drives: Drives,
+        # in and out
+        pairs: Pairs,
+        candidates: Candidates,
+        # out
+        energy: Account,
+    ):
+        pair = wp.tid() + span[0]
+        if pair >= span[1] or clock.halted[0] != 0:
+            return
+        i = pairs.owner[pair]
+        j = pairs.partner[pair]
+        d = bodies.position[i] - bodies.position[j]
+        flow = Flow()
+        if wp.static(laws.periodic):
+            image = real_vector(pairs.image[pair])
+            d -= cell.edges[0] * image
+            if wp.static(laws.deforming):
+                flow.half = cell.rate[0] * image
+                flow.end = cell.rate_end[0] * image
+        law = materials[pairs.material[pair]]
+        hit, near, freed, unrolled = find(geometry, bodies, candidates, i, j, law, d, pair, margin)
+        account = given_up(law, freed, unrolled)
+        power = vec4()
+        if near:
+            tau, beta = dashpot_of(inertia, law, i, j, dt)
+            # fmt: off
+            force, torque, a, p = apply(
+                geometry, inertia, bodies, candidates, law, flow, i, j, d, pair, hit.normal,
+                hit.point, -hit.gap, real(1.0), tau, beta, dt,
+            )
+            # fmt: on
+            account += a
+            power = p
+            pairs.touching[pair] = 1
+            pairs.force[pair] = force
+            pairs.torque[pair] = torque - wp.cross(d, force)
+            pairs.torque_partner[pair] = -torque
+        elif pairs.touching[pair] != 0:
+            pairs.touching[pair] = 0
+        if wp.static(laws.account):
+            since = energy.pair[pair]
+            lost = since + account + power * dt
+            energy.pair[pair] = vec4(account[0], lost[1], lost[2], lost[3])
+            energy.power[pair] = power
+
+    return single_forces
+
+
+@functools.cache
+def single_dashpot(laws: Laws) -> wp.Function:
+    """``dashpot`` of a single contact between centres."""
+
+    @inlined()
+    def single_dashpot(inertia: Inertia, law: Material, i: int, j: int, dt: real):
+        tau = real(0.0)
+        beta = real(0.0)
+        if wp.static(laws.damped):
+            omega = wp.sqrt(law.kn * (inertia.inverse_mass[i] + inertia.inverse_mass[j]))
+            tau = real(2.0) * law.zeta / omega
+            beta = law.zeta * omega * dt
+        return tau, beta
+
+    return single_dashpot
+
+
+@functools.cache
+def packed_forces(laws: Laws) -> wp.Kernel:
+    """Kernel of ``pair_forces`` for pairs of any number of candidates."""
     find = find_touching(laws)
     apply = apply_laws(laws)
     dashpot_of = dashpot(laws)
 
     @variant
-    def pair_forces(
+    def packed_forces(
         # model
         geometry: Geometry,
         inertia: Inertia,
@@ -169,8 +263,9 @@ def pair_forces(laws: Laws) -> wp.Kernel:
             for slot in range(start, start + touching):
                 # fmt: off
                 f, t, a, p = apply(
-                    geometry, inertia, bodies, candidates, law, flow, i, j, d, slot,
-                    total, tau, beta, dt,
+                    geometry, inertia, bodies, candidates, law, flow, i, j, d,
+                    candidates.which[slot], candidates.normal[slot], candidates.point[slot],
+                    -candidates.gap[slot], total, tau, beta, dt,
                 )
                 # fmt: on
                 force += f
@@ -186,4 +281,4 @@ def pair_forces(laws: Laws) -> wp.Kernel:
             energy.pair[pair] = vec4(account[0], lost[1], lost[2], lost[3])
             energy.power[pair] = power
 
-    return pair_forces
+    return packed_forces

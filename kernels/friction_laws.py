@@ -26,7 +26,8 @@ def tangential_law(laws: Laws) -> wp.Function:
         if wp.static(laws.elastic_cap or not laws.predicted):
             force = radial_return(start + motion.sliding * step, cap)
             return spun(force, normal, half), spun(start, normal, half)
-        slid = past[3] >= real(0.0) and wp.length(old) >= SLID * limit
+        least = SLID * limit
+        slid = past[3] >= real(0.0) and wp.dot(old, old) >= least * least
         force = coulomb(start, motion.sliding, step, cap, limit, slid)
         return spun(force, normal, half), spun(start, normal, half)
 
@@ -61,7 +62,8 @@ def rolling_law(laws: Laws) -> wp.Function:
         if wp.static(not laws.predicted):
             moment = radial_return(start + motion.spin * step, cap)
             return spun(moment, normal, half), spun(start, normal, half)
-        slid = past[3] >= real(0.0) and wp.length(start) >= SLID * limit
+        least = SLID * limit
+        slid = past[3] >= real(0.0) and wp.dot(start, start) >= least * least
         moment = coulomb(start, motion.spin, step, cap, limit, slid)
         return spun(moment, normal, half), spun(start, normal, half)
 

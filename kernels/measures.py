@@ -60,7 +60,7 @@ def largest_eigenvalue(b: Any) -> real:
     b = b * b
     b = b * b
     b = b * b
-    return size * wp.pow(wp.trace(b), real(0.125))
+    return size * wp.sqrt(wp.sqrt(wp.sqrt(wp.trace(b))))
 
 
 @functools.cache

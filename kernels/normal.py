@@ -16,14 +16,13 @@ def hooke(k: real, d: real, tau: real, vn: real) -> real:
 
 
 @wp.func
-def hooke_predicted(k: real, d: real, tau: real, vn: real, beta: real, before: real) -> real:
-    """``hooke`` with vn predicted by the forces of the last pass, its own part ``before`` renewed.
+def predicted_force(ahead: real, beta: real, before: real) -> real:
+    """Spring and dashpot with vn predicted by the forces of the last pass; may pull [N].
 
-    From vn = vn_predicted + (before - f) beta / (k tau): f (1 + beta) = k (d + tau vn_predicted)
-    + beta before.
+    ``ahead`` = k (d + tau vn_predicted), of which the contact's own part ``before`` is renewed: from
+    vn = vn_predicted + (before - f) beta / (k tau), f (1 + beta) = ahead + beta before.
     """
-    f = (k * (d + tau * vn) + beta * before) / (real(1.0) + beta)
-    return wp.max(f, real(0.0))
+    return (ahead + beta * before) / (real(1.0) + beta)
 
 
 @wp.func

@@ -12,7 +12,7 @@ from warpdem.kernels.cohesion import documented
 from warpdem.kernels.custom import Parameters, Touch
 from warpdem.kernels.kinematics import Kinematics
 from warpdem.kernels.laws import AVALANCHE, CUSTOM, Laws
-from warpdem.kernels.normal import hooke, hooke_predicted, onset
+from warpdem.kernels.normal import hooke, onset, predicted_force
 from warpdem.kernels.precision import real
 from warpdem.kernels.variant import variant
 from warpdem.kernels.views import Material
@@ -88,8 +88,8 @@ def _hooke(laws: Laws) -> wp.Function:
         elastic = k * d
         # unclamped: what the dashpot would do with the velocity of the step's end
         ahead = k * (d + touch.tau * motion.approach_end)
-        free = (ahead + touch.beta * touch.before) / (real(1.0) + touch.beta)
-        fn = hooke_predicted(k, d, touch.tau, motion.approach_end, touch.beta, touch.before)
+        free = predicted_force(ahead, touch.beta, touch.before)
+        fn = wp.max(free, real(0.0))
         phi = part(motion, touch)
         if phi < real(1.0):
             # the dashpot acts for phi dt before and dt / 2 after this instant; friction and the

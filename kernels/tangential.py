@@ -24,18 +24,24 @@ def laid(t: vec3, n: vec3) -> vec3:
 
 @wp.func
 def spun(t: vec3, n: vec3, angle: real) -> vec3:
-    """A vector turned about the unit vector ``n`` [rad]."""
+    """A vector turned about the unit vector ``n`` [rad], to third order in the angle.
+
+    An exact rotation by 2 atan(angle / 2) (Cayley): no length changes, no sine is needed.
+    """
+    h = real(0.5) * angle
+    part = real(2.0) / (real(1.0) + h * h)
     along = n * wp.dot(t, n)
-    return along + (t - along) * wp.cos(angle) + wp.cross(n, t) * wp.sin(angle)
+    flat = t - along
+    return t - flat * (part * h * h) + wp.cross(n, t) * (part * h)
 
 
 @wp.func
 def radial_return(trial: vec3, cap: real) -> vec3:
     """``trial`` cut back along itself to at most ``cap``; the order is 1 where slip turns."""
-    size = wp.length(trial)
-    if size <= cap or size == real(0.0):
+    square = wp.dot(trial, trial)
+    if square <= cap * cap:
         return trial
-    return trial * (cap / size)
+    return trial * (cap / wp.sqrt(square))
 
 
 @wp.func
@@ -63,9 +69,10 @@ def coulomb(
     contact slid then: it sticks, starts to slip (radially), or slides on (along the exact flow).
     """
     trial = start + rate * stiffness
-    size = wp.length(trial)
-    if size <= cap or size == real(0.0):
+    square = wp.dot(trial, trial)
+    if square <= cap * cap:
         return trial
+    size = wp.sqrt(square)
     speed = wp.length(rate)
     before = wp.length(start)
     middle = real(0.5) * (cap + cap_before)

@@ -17,13 +17,8 @@ from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Materia
 @functools.cache
 def find_touching(laws: Laws) -> wp.Function:
     """Function of pass 1: packs the touching candidates of a pair, settles those that ended."""
-    gap_of = feature_pair(
-        polyhedra=laws.polyhedra,
-        convex=laws.convex,
-        two_sided=laws.two_sided,
-        cones=laws.cones,
-        surfaces=laws.surfaces,
-    )
+    gap_of = gaps(laws)
+    settle = settled(laws)
     hand = hand_over(gap_of, laws)
 
     @inlined()
@@ -65,34 +60,103 @@ def find_touching(laws: Laws) -> wp.Function:
                 touching += 1
             elif past[3] >= real(0.0):
                 if wp.static(laws.keep):
-                    if wp.static(laws.avalanche):
-                        candidates.last[c] = real(0.0)
-                    if hit.outside > real(0.0) or hit.gap >= margin:
-                        candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
-                        if wp.static(laws.rolling):
-                            candidates.rolled[c] = vec4()
+                    # what is no longer over its feature is as far as what is beyond the margin
+                    gap = wp.where(hit.outside > real(0.0), margin, hit.gap)
+                    settle(candidates, c, gap, margin)
                 elif hit.gap < real(0.0):
                     candidates.past[c] = vec4(past[0], past[1], past[2], real(-2.0) - past[3])
                     ended += 1
                 else:
-                    if wp.static(laws.account):
-                        held = past[0] * past[0] + past[1] * past[1] + past[2] * past[2]
-                        if wp.static(laws.partnership != "sum"):
-                            held = held / candidates.share[c]
-                        freed += held
-                    candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
-                    if wp.static(laws.rolling):
-                        rolled = candidates.rolled[c]
-                        held = wp.dot(rolled, rolled)
-                        if wp.static(laws.partnership != "sum"):
-                            held = held / candidates.share[c]
-                        unrolled += held
-                        candidates.rolled[c] = vec4()
+                    lost, still = settle(candidates, c, hit.gap, margin)
+                    freed += lost
+                    unrolled += still
         if ended > 0:
             hand(geometry, bodies, candidates, i, j, d, start, end, touching)
         return touching, freed, unrolled
 
     return find_touching
+
+
+@functools.cache
+def gaps(laws: Laws) -> wp.Function:
+    """Function of the gap of any feature pair that the scene has."""
+    return feature_pair(
+        polyhedra=laws.polyhedra,
+        convex=laws.convex,
+        two_sided=laws.two_sided,
+        cones=laws.cones,
+        surfaces=laws.surfaces,
+    )
+
+
+@functools.cache
+def find_single(laws: Laws) -> wp.Function:
+    """Function of pass 1 for one candidate: where it is, whether it acts, what it gave up."""
+    gap_of = gaps(laws)
+    settle = settled(laws)
+
+    @inlined()
+    def find_single(
+        geometry: Geometry,
+        bodies: Bodies,
+        candidates: Candidates,
+        i: int,
+        j: int,
+        law: Material,
+        d: vec3,
+        c: int,
+        margin: real,
+    ):
+        reach = real(0.0)
+        if wp.static(laws.reaching):
+            reach = law.dncut
+        freed = real(0.0)
+        unrolled = real(0.0)
+        hit = gap_of(geometry, bodies, i, j, d, margin, candidates.code[c])
+        near = hit.gap < reach
+        if not near:
+            past = candidates.past[c]
+            if past[3] >= real(0.0):
+                if wp.static(laws.sticky):
+                    near = hit.gap < margin
+                if not near:
+                    freed, unrolled = settle(candidates, c, hit.gap, margin)
+        return hit, near, freed, unrolled
+
+    return find_single
+
+
+@functools.cache
+def settled(laws: Laws) -> wp.Function:
+    """Function that ends a contact that opened: squares of the force and moment it gave up."""
+
+    @inlined()
+    def settled(candidates: Candidates, c: int, gap: real, margin: real):
+        freed = real(0.0)
+        unrolled = real(0.0)
+        if wp.static(laws.keep):
+            if wp.static(laws.avalanche):
+                candidates.last[c] = real(0.0)
+            if gap >= margin:
+                candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+                if wp.static(laws.rolling):
+                    candidates.rolled[c] = vec4()
+        else:
+            if wp.static(laws.account):
+                past = candidates.past[c]
+                freed = past[0] * past[0] + past[1] * past[1] + past[2] * past[2]
+                if wp.static(laws.partnership != "sum"):
+                    freed = freed / candidates.share[c]
+            candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+            if wp.static(laws.rolling):
+                rolled = candidates.rolled[c]
+                unrolled = wp.dot(rolled, rolled)
+                if wp.static(laws.partnership != "sum"):
+                    unrolled = unrolled / candidates.share[c]
+                candidates.rolled[c] = vec4()
+        return freed, unrolled
+
+    return settled
 
 
 @functools.cache

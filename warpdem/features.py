@@ -46,6 +46,7 @@ class Features:
     work: bool
     predicted: bool
     rotation: str
+    turns: bool
     first_step: str
     hooke: bool
     avalanche: bool
@@ -110,10 +111,11 @@ def features_of(
     moving = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
     how = scene.run.resolved()
     crowd = len(placement.shape) > 1 or scene.cell is not None
+    polyhedral = any(len(shape.vertices) > 1 for shape in used)
     contacts = bool(laws) and bool(free.any()) and crowd
     return Features(
         contacts=contacts,
-        polyhedra=any(len(shape.vertices) > 1 for shape in used),
+        polyhedra=polyhedral,
         convex=all(bool(np.all(shape.face_convex)) for shape in used),
         two_sided=any(shape.two_sided and len(shape.face_offsets) > 0 for shape in used),
         cones=any(len(shape.cone_planes) > 0 for shape in used),
@@ -121,14 +123,25 @@ def features_of(
         trees=any(has_tree(shape) for shape in used),
         large=bool((large_bodies(placement, shapes) & ~surface_bodies(placement, shapes)).any()),
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
+        turns=_turns(scene, [shapes[k] for k in np.unique(placement.shape[free])]),
         account=scene.output.energy,
         **_drivers(scene, moving=bool(moving.any())),
         **_cell(scene),
         **_bonds(scene),
         **_numerics(how, laws),
-        **_laws(scene, laws),
+        **_laws(scene, laws, polyhedra=polyhedral),
         **_forces(scene),
     )
+
+
+def _turns(scene: Scene, moving: list[Polyhedron]) -> bool:
+    """Whether orientations are followed: those of spheres only for who asks."""
+    asked = scene.output.orientation
+    if asked == "auto":
+        asked = scene.output.table
+    symplectic = scene.run.resolved().rotation == "no_squish"
+    spheres = all(len(shape.vertices) == 1 and _is_spherical(shape) for shape in moving)
+    return asked or bool(scene.bond) or not (spheres and symplectic)
 
 
 def _drivers(scene: Scene, *, moving: bool) -> dict[str, Any]:
@@ -188,8 +201,8 @@ def _numerics(how: Numerics, laws: list[Contact]) -> dict[str, Any]:
     }
 
 
-def _laws(scene: Scene, laws: list[Contact]) -> dict[str, Any]:
-    """Which laws there are."""
+def _laws(scene: Scene, laws: list[Contact], *, polyhedra: bool) -> dict[str, Any]:
+    """Which laws there are; two spheres share nothing among several contacts."""
     own = {
         (str(scene.directory / (law.file or "")), law.normal or "") for law in laws if law.normal
     }
@@ -198,7 +211,7 @@ def _laws(scene: Scene, laws: list[Contact]) -> dict[str, Any]:
         "hooke": any(law.law in HOOKE for law in laws),
         "avalanche": any(law.law == "avalanche" for law in laws),
         "custom": tuple(sorted(own)),
-        "partnership": scene.run.partnership,
+        "partnership": scene.run.partnership if polyhedra else "sum",
         "cohesion": any(law.attracts for law in laws),
         "adhesion": any(law.gamma > 0 for law in laws),
         "sticky": any(law.gamma > 0 or (law.fc > 0 and not law.dncut) for law in laws),

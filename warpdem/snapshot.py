@@ -148,7 +148,7 @@ class Snapshot:
         step: Number of steps done.
         position: Centres of mass, world [m], shape [body_count, 3].
         orientation: Unit quaternions w, x, y, z of the principal frames, body to world,
-            shape [body_count, 4].
+            shape [body_count, 4]; of spheres only where output.orientation says so.
         velocity: Of the centres of mass [m/s], shape [body_count, 3].
         spin: Angular velocities, world [rad/s], shape [body_count, 3].
         force: Resultant contact and body force [N], shape [body_count, 3].

@@ -130,7 +130,6 @@ def advance(
     motion = Motion(
         **chosen | {"contacts": has.contacts if contacts is None else contacts},
         paths=has.hot_lists,
-        turns=True,
     )
     torque = free_torque if has.rotation == "no_squish" else taylor_torque
     kernel = advance_kernel(_rotate(has), torque, forces_on_bodies(has), motion)

@@ -119,6 +119,10 @@ class Output(Section):
     table: bool = False
     """Write every body at every frame as text (trajectory.csv)."""
 
+    orientation: Literal["auto"] | bool = "auto"
+    """Follow the orientations of spheres too, which no force depends on: "auto", where output.table
+    writes them. Without, they stay as they were at the start."""
+
     energy: bool = True
     """Keep account of the energies (energy.csv)."""
 
