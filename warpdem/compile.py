@@ -10,7 +10,6 @@ import warp as wp
 
 from warpdem.bonding import release_kernel
 from warpdem.kernels.bond_bound import bond_bound
-from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.driving import wall_frequency
 from warpdem.kernels.images import find_images, wrap_bodies
 from warpdem.kernels.integrate import orient
@@ -18,6 +17,7 @@ from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.neighbours import find_partners, incidence_keys
 from warpdem.lists import history_kernel
 from warpdem.materials import try_custom_laws
+from warpdem.search import candidate_kernels
 from warpdem.stages import after_drift, cell_drift, cycle, kick
 
 if TYPE_CHECKING:
@@ -52,13 +52,8 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
                 fill=fill, large=has.large, surfaces=has.surfaces, bonds=has.bonds
             )
             kernels["wrap"] = wrap_bodies
-        kernels[f"{word} candidates"] = find_candidates(
-            fill=fill,
-            polyhedra=has.polyhedra,
-            trees=has.trees,
-            surfaces=has.surfaces,
-            periodic=has.periodic,
-        )
+    for number, kernel in enumerate(candidate_kernels(has), 1):
+        kernels[f"candidates {number}"] = kernel
     kernels["history"] = history_kernel(has)
     kernels["incidence"] = incidence_keys
     kernels["measures"] = frequency_bound(has.partnership, periodic=has.periodic)

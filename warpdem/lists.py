@@ -8,11 +8,11 @@ import numpy as np
 import warp as wp
 
 from warpdem.images import Images, shorten
-from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.matching import carry_history
 from warpdem.kernels.neighbours import find_partners, incidence_keys, incidence_starts
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.views import Bonds, Candidates, Incidence, Pairs
+from warpdem.search import Search
 
 if TYPE_CHECKING:
     from warpdem.arrays import FloatArray
@@ -73,6 +73,7 @@ class Lists:
         self._tree_body = wp.array(self._in_tree, dtype=wp.int32, device=device)
         surfaces = np.flatnonzero(model.surface)
         self._surface_body = wp.array(surfaces, dtype=wp.int32, device=device)
+        self._search = Search(model, state)
         self._grow_pairs(1)
         self._grow_candidates(1)
 
@@ -94,7 +95,9 @@ class Lists:
         if self._model.features.surfaces and self._model.features.driven:
             self._measure_surfaces()
         self._find_pairs()
-        self._find_candidates()
+        self.candidate_count = self._search.find(
+            self.pairs, self.pair_count, self.candidates, self.skin, self._grow_candidates
+        )
         self._carry(old)
         state.clock.reach.fill_(0.5 * self.skin)
         state.clock.moved.zero_()
@@ -318,41 +321,6 @@ class Lists:
             outputs=[self.incidence],
             device=model.device,
         )
-
-    def _find_candidates(self) -> None:
-        model, count = self._model, self.pair_count
-        self.candidate_count = 0
-        if count == 0:
-            return
-        has = model.features
-
-        def launch(ends: wp.array, *, fill: bool) -> None:
-            wp.launch(
-                find_candidates(
-                    fill=fill,
-                    polyhedra=has.polyhedra,
-                    trees=has.trees,
-                    surfaces=has.surfaces,
-                    periodic=has.periodic,
-                ),
-                dim=count,
-                inputs=[
-                    model.geometry,
-                    self.skin + model.reach,
-                    self._state.bodies,
-                    self.pairs,
-                    self._state.cell,
-                ],
-                outputs=[self.candidates.code, ends],
-                device=model.device,
-            )
-
-        ends = self.pairs.start[1 : count + 1]
-        launch(ends, fill=False)
-        wp.utils.array_scan(ends, ends, inclusive=True)
-        self.candidate_count = int(ends[-1:].numpy()[0])
-        self._grow_candidates(self.candidate_count)
-        launch(ends, fill=True)
 
     def _carry(self, old: tuple[wp.array, ...]) -> None:
         if self.pair_count:
