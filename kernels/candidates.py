@@ -10,8 +10,13 @@ import functools
 import warp as wp
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.codes import EE, VS, VV, encode
-from warpdem.kernels.feature_tests import first_test, test_features, write_features
-from warpdem.kernels.outcodes import Near, face_count, features_near, searched_whole
+from warpdem.kernels.feature_tests import (
+    face_count,
+    first_row,
+    test_features,
+    write_features,
+)
+from warpdem.kernels.outcodes import Near, features_near, searched_whole
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.surfaces import is_surface, vertices_above
 from warpdem.kernels.tree_search import features_against_tree, sort
@@ -49,19 +54,18 @@ def find_near(*, periodic: bool) -> wp.Kernel:
         cell: Cell,
         # out
         near: wp.array(dtype=Near),
-        words: wp.array(dtype=wp.int32),
+        rows: wp.array(dtype=wp.int32),
     ):
         pair = wp.tid()
         i = pairs.owner[pair]
         j = pairs.partner[pair]
-        words[pair] = 0
+        rows[pair] = 0
         if searched_whole(geometry, j):
             reach = geometry.radius[i] + geometry.radius[j] + skin
             d = centres(bodies, pairs, cell, pair)
             found = features_near(geometry, bodies, i, j, d, reach)
             near[pair] = found
-            tests = first_test(EE + 1, found, face_count(geometry, i), face_count(geometry, j))
-            words[pair] = (tests + 63) >> 6
+            rows[pair] = first_row(EE + 1, found, face_count(geometry, i))
 
     return find_near
 
@@ -70,7 +74,7 @@ def find_near(*, periodic: bool) -> wp.Kernel:
 def find_candidates(*, fill: bool, trees: bool, surfaces: bool, periodic: bool) -> wp.Kernel:
     """Kernel that counts the candidates of each body pair, or writes them in ascending order.
 
-    Words of ``hits`` end at ``words`` for each pair; the counting kernel writes them.
+    Rows of ``hits`` end at ``rows`` for each pair; the counting kernel writes them.
     """
     tree = features_against_tree(fill=fill)
     above = vertices_above(fill=fill)
@@ -86,7 +90,7 @@ def find_candidates(*, fill: bool, trees: bool, surfaces: bool, periodic: bool) 
         pairs: Pairs,
         cell: Cell,
         near: wp.array(dtype=Near),
-        words: wp.array(dtype=wp.int32),
+        rows: wp.array(dtype=wp.int32),
         # in and out
         hits: wp.array(dtype=wp.uint64),
         # out
@@ -113,15 +117,12 @@ def find_candidates(*, fill: bool, trees: bool, surfaces: bool, periodic: bool) 
         if searched_whole(geometry, j):
             first = int(0)
             if pair > 0:
-                first = words[pair - 1]
+                first = rows[pair - 1]
             if wp.static(fill):
                 if pairs.start[pair + 1] > start:
-                    f = face_count(geometry, i)
-                    g = face_count(geometry, j)
-                    write_features(near[pair], f, g, first, hits, code, start)
+                    faces = face_count(geometry, i)
+                    write_features(near[pair], faces, first, hits, code, start)
             else:
-                for word in range(first, words[pair]):
-                    hits[word] = wp.uint64(0)
                 found = near[pair]
                 n += test_features(geometry, bodies, i, j, d, found, reach, skin, first, hits)
         if wp.static(not fill):

@@ -2,6 +2,9 @@
 
 An outcode has a bit for each side of the other body's core box, grown by the reach, beyond which a
 vertex lies. An edge whose ends share a bit is beyond that side too.
+
+A set of vertices, edges or faces has a bit for each: shapes with more than 64 are searched through
+a tree.
 """
 
 import warp as wp
@@ -11,63 +14,41 @@ from warpdem.kernels.surfaces import is_surface
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
 
-# a set of features of a shape without a tree: a bit each
-FEATURE_ROOM = 128
-Few = wp.types.vector(length=2, dtype=wp.uint64)
-
+NONE = wp.constant(wp.uint64(0))
 ONE = wp.constant(wp.uint64(1))
+SET_LIMIT = 64
 # edges a hair farther out are kept: their distances are rounded in another way than outcodes
 WIDER = wp.constant(1.0 + 1.0e-9)
 
 
 @wp.func_native("""
     #if defined(__CUDA_ARCH__)
-        #define LOWEST(bits) (__ffsll((long long)(bits)) - 1)
+        return __ffsll((long long)features) - 1;
     #else
-        #define LOWEST(bits) __builtin_ctzll(bits)
+        return __builtin_ctzll(features);
     #endif
-    unsigned long long low = start < 64 ? few[0] >> start << start : 0;
-    unsigned long long high = start < 64 ? few[1] : start < 128 ? few[1] >> (start - 64) << (start - 64) : 0;
-    return low ? LOWEST(low) : high ? 64 + LOWEST(high) : 128;
-    #undef LOWEST
     """)
-def following(few: Few, start: int) -> int:
-    """First feature of a set that is not below ``start``, or FEATURE_ROOM."""
+def lowest(features: wp.uint64) -> int:
+    """First feature of a set that is not empty."""
     ...
 
 
 @wp.func_native("""
     #if defined(__CUDA_ARCH__)
-        return __popcll(few[0]) + __popcll(few[1]);
+        return __popcll(features);
     #else
-        return __builtin_popcountll(few[0]) + __builtin_popcountll(few[1]);
+        return __builtin_popcountll(features);
     #endif
     """)
-def size(few: Few) -> int:
+def size(features: wp.uint64) -> int:
     """Number of features in a set."""
     ...
 
 
 @wp.func
-def joined(few: Few, feature: int) -> Few:
-    """The set with one feature more."""
-    low = few[0]
-    high = few[1]
-    bit = ONE << wp.uint64(feature & 63)
-    if feature < 64:
-        low = low | bit
-    else:
-        high = high | bit
-    return Few(low, high)
-
-
-@wp.func
-def all_of(count: int) -> Few:
-    """The set of the first ``count`` features."""
-    few = Few()
-    for a in range(count):
-        few = joined(few, a)
-    return few
+def bit(feature: int) -> wp.uint64:
+    """The set of one feature."""
+    return ONE << wp.uint64(feature)
 
 
 @wp.func
@@ -75,10 +56,8 @@ def outcode(x: vec3, grown: vec3) -> int:
     """Sides of a box of half size ``grown`` beyond which x, about its middle, lies; a bit each."""
     code = int(0)
     for k in range(3):
-        if x[k] > grown[k]:
-            code = code | (1 << k)
-        if x[k] < -grown[k]:
-            code = code | (8 << k)
+        code = code | wp.where(x[k] > grown[k], 1 << k, 0)
+        code = code | wp.where(x[k] < -grown[k], 8 << k, 0)
     return code
 
 
@@ -86,17 +65,17 @@ def outcode(x: vec3, grown: vec3) -> int:
 def near_box(geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, reach: real):
     """Active vertices of i, and active edges, within ``reach`` of the core box of j; d = x_i - x_j.
 
-    An edge may be missed by the box and kept: only what lies beyond one side is left out.
+    An edge may miss the box and be kept: only what lies beyond one side is left out.
     """
-    vertices = Few()
-    edges = Few()
+    vertices = NONE
+    edges = NONE
     shape = geometry.shape[i]
     scale = geometry.scale[j]
     middle = geometry.core_middle[geometry.shape[j]] * scale
     half = geometry.core_half[geometry.shape[j]] * scale
     grown = half + vec3(reach * real(WIDER))
     inverse = wp.transpose(bodies.rotation[j])
-    codes = wp.zeros(shape=(FEATURE_ROOM,), dtype=wp.uint8)
+    codes = wp.zeros(shape=(SET_LIMIT,), dtype=wp.uint8)
     arm = geometry.arm_start[i]
     vertex = geometry.vertex_start[shape]
     for a in range(geometry.vertex_start[shape + 1] - vertex):
@@ -105,20 +84,13 @@ def near_box(geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, reach:
         codes[a] = wp.uint8(code)
         if code == 0 and geometry.vertex_active[vertex + a] != 0:
             if in_box(x, middle, half, reach):
-                vertices = joined(vertices, a)
+                vertices = vertices | bit(a)
     edge = geometry.edge_start[shape]
     for a in range(geometry.edge_start[shape + 1] - edge):
         ends = geometry.edge[edge + a]
         if geometry.edge_active[edge + a] != 0 and (codes[ends[0]] & codes[ends[1]]) == wp.uint8(0):
-            edges = joined(edges, a)
+            edges = edges | bit(a)
     return vertices, edges
-
-
-@inlined()
-def face_count(geometry: Geometry, body: int) -> int:
-    """Number of faces of a body."""
-    shape = geometry.shape[body]
-    return geometry.face_start[shape + 1] - geometry.face_start[shape]
 
 
 @inlined()
@@ -129,12 +101,12 @@ def searched_whole(geometry: Geometry, j: int) -> bool:
 
 @wp.struct
 class Near:
-    """Features of the two bodies of a pair that are near the other one's box."""
+    """Sets of the features of two bodies that are near the other one's box."""
 
-    owner_vertices: Few
-    owner_edges: Few
-    partner_vertices: Few
-    partner_edges: Few
+    owner_vertices: wp.uint64
+    owner_edges: wp.uint64
+    partner_vertices: wp.uint64
+    partner_edges: wp.uint64
 
 
 @inlined()

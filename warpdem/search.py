@@ -29,7 +29,7 @@ class Search:
         self._model = model
         self._state = state
         self._near = wp.zeros(1, dtype=Near, device=model.device)
-        self._words = wp.zeros(1, dtype=wp.int32, device=model.device)
+        self._rows = wp.zeros(1, dtype=wp.int32, device=model.device)
         self._hits = wp.zeros(1, dtype=wp.uint64, device=model.device)
 
     def find(
@@ -64,10 +64,10 @@ class Search:
         near, test, write = candidate_kernels(model.features)
         inputs = [model.geometry, skin + model.reach, self._state.bodies, pairs, self._state.cell]
         self._near = _at_least(self._near, count)
-        self._words = _at_least(self._words, count)
-        launch(near, inputs=inputs, outputs=[self._near, self._words])
-        self._hits = _at_least(self._hits, _summed(self._words[:count]))
-        inputs += [self._near, self._words, self._hits]
+        self._rows = _at_least(self._rows, count)
+        launch(near, inputs=inputs, outputs=[self._near, self._rows])
+        self._hits = _at_least(self._hits, _summed(self._rows[:count]))
+        inputs += [self._near, self._rows, self._hits]
         ends = pairs.start[1 : count + 1]
         launch(test, inputs=inputs, outputs=[candidates.code, ends])
         total = _summed(ends)
