@@ -163,6 +163,17 @@ def test_partner(
     return n
 
 
+@wp.func
+def beyond(q: vec3, q1: vec3, low: vec3, high: vec3) -> bool:
+    """Whether both ends of a segment lie beyond one side of a box."""
+    out = bool(False)
+    for k in range(3):
+        above = q[k] > high[k] and q1[k] > high[k]
+        below = q[k] < low[k] and q1[k] < low[k]
+        out = out or above or below
+    return out
+
+
 @inlined()
 def test_edges(
     geometry: Geometry,
@@ -201,9 +212,7 @@ def test_edges(
             ends = geometry.edge[edge_j + b]
             q = bodies.arm[arm_j + ends[0]]
             q1 = bodies.arm[arm_j + ends[1]]
-            # distances of the boxes around them along the axes
-            apart = wp.max(wp.min(q, q1) - high, low - wp.max(q, q1))
-            if wp.max(apart) <= real(0.0):
+            if not beyond(q, q1, low, high):
                 halves = half + geometry.edge_half[edge_j + b] * geometry.scale[j]
                 if edges_near(p, p1, q, q1, halves, reach):
                     found = found | bit(b)
