@@ -9,7 +9,7 @@ import warp as wp
 
 from warpdem.images import Images, shorten
 from warpdem.kernels.matching import carry_history
-from warpdem.kernels.neighbours import find_partners, incidence_keys, incidence_starts
+from warpdem.kernels.neighbours import FEW, find_partners, incidence_keys, incidence_starts
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.views import Bonds, Candidates, Incidence, Pairs
 from warpdem.search import Search
@@ -66,6 +66,8 @@ class Lists:
         count = model.body_count
         self.incidence.start = wp.zeros(count + 1, dtype=wp.int32, device=device)
         self.ends = wp.zeros(count, dtype=wp.int32, device=device)
+        few = 1 if self.has_images else FEW * count
+        self._few = wp.zeros(few, dtype=wp.int32, device=device)
         self._grid_bound = float(model.bound[~model.large].max(initial=0.0))
         self._grid = self._hash_grid()
         self._tree: wp.Bvh | None = None
@@ -258,6 +260,7 @@ class Lists:
                     reach,
                     bodies,
                     glue,
+                    self._few,
                 ],
                 outputs=outputs,
                 device=model.device,
@@ -316,8 +319,8 @@ class Lists:
             wp.utils.radix_sort_pairs(self._keys, self.incidence.pair, 2 * count)
         wp.launch(
             incidence_starts,
-            dim=model.body_count + 1,
-            inputs=[self._keys, 2 * count],
+            dim=2 * count + 1,
+            inputs=[model.body_count, self._keys, 2 * count],
             outputs=[self.incidence],
             device=model.device,
         )
