@@ -4,14 +4,14 @@ import warp as wp
 from warpdem.kernels.measures import largest_eigenvalue, pressed
 from warpdem.kernels.precision import mat66, real, vec3
 from warpdem.kernels.variant import plain
-from warpdem.kernels.views import Bodies, Bonds, Incidence, Inertia
+from warpdem.kernels.views import Bodies, Bonds, Inertia, Joints
 
 
 @plain
 def bond_bound(
     # model
     inertia: Inertia,
-    joined: Incidence,
+    joined: Joints,
     # in
     bodies: Bodies,
     bonds: Bonds,
@@ -30,7 +30,7 @@ def bond_bound(
     inverse = wp.transpose(bodies.rotation[body])
     b = mat66()
     for m in range(joined.start[body], joined.start[body + 1]):
-        code = joined.pair[m]
+        code = joined.interface[m]
         k = code >> 1
         if bonds.state[k] != 0:
             law = bonds.law[k]

@@ -50,6 +50,10 @@ def bodies_near(geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, ski
         near = geometry.bound[i] + geometry.bound[j] + skin
         if wp.length_sq(d) > near * near:
             return False
+        half_i = geometry.core_half[geometry.shape[i]]
+        half_j = geometry.core_half[geometry.shape[j]]
+        if wp.length_sq(half_i) + wp.length_sq(half_j) == real(0.0):
+            return True  # two spheres
     reach = geometry.radius[i] + geometry.radius[j] + skin
     return boxes_near(geometry, bodies, i, j, d, reach)
 

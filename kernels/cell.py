@@ -92,7 +92,7 @@ def sum_stress(*, predicted: bool) -> wp.Kernel:
         if chunk >= span[1] or clock.halted[0] != 0:
             return
         total = mat33()
-        pair_count = incidence.start[body_count] / 2
+        pair_count = incidence.start[body_count]
         first = int(wp.int64(pair_count) * wp.int64(chunk) / wp.int64(CHUNK_COUNT))
         last = int(wp.int64(pair_count) * wp.int64(chunk + 1) / wp.int64(CHUNK_COUNT))
         for pair in range(first, last):

@@ -8,6 +8,7 @@ moment of inertia of its own. The contact laws see it as a body without inverse 
 import functools
 
 import warp as wp
+from warpdem.kernels.incidence import pair_at, pairs_of
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.rotation import exponential
 from warpdem.kernels.variant import inlined, plain
@@ -185,8 +186,9 @@ def wall_frequency(
     inverse_mass = drives.inverse_mass[place]
     inverse_inertia = drives.inverse_inertia[place]
     total = real(0.0)
-    for k in range(incidence.start[body], incidence.start[body + 1]):
-        code = incidence.pair[k]
+    first, others, count = pairs_of(incidence, body)
+    for k in range(count):
+        code = pair_at(incidence, body, first, others, k)
         pair = code >> 1
         law = materials[pairs.material[pair]]
         shift = vec3()

@@ -14,7 +14,7 @@ from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import total_of
-from warpdem.kernels.touching import find_single, find_touching, frequency
+from warpdem.kernels.touching import find_touching, frequency
 from warpdem.kernels.variant import inlined, variant
 from warpdem.kernels.views import (
     Account,
@@ -103,111 +103,13 @@ def dashpot(laws: Laws) -> wp.Function:
 
 
 def pair_forces(laws: Laws) -> wp.Kernel:
-    """Kernel of the contact wrench of each body pair.
-
-    Spheres have one candidate a pair, which spares them all lists; where walls follow forces, what
-    touches is packed all the same.
-    """
-    if laws.polyhedra or laws.controlled:
-        return packed_forces(laws)
-    return single_forces(laws)
-
-
-@functools.cache
-def single_forces(laws: Laws) -> wp.Kernel:
-    """Kernel of ``pair_forces`` for pairs of one candidate: its number is the pair's."""
-    find = find_single(laws)
-    apply = apply_laws(laws)
-    dashpot_of = single_dashpot(laws)
-
-    @variant
-    def single_forces(
-        # model
-        geometry: Geometry,
-        inertia: Inertia,
-        materials: wp.array(dtype=Material),
-        # in
-        dt: real,
-        margin: real,
-        span: wp.array(dtype=wp.int32),
-        bodies: Bodies,
-        clock: Clock,
-        cell: Cell,
-        drives: Drives,
-        # in and out
-        pairs: Pairs,
-        candidates: Candidates,
-        # out
-        energy: Account,
-    ):
-        pair = wp.tid() + span[0]
-        if pair >= span[1] or clock.halted[0] != 0:
-            return
-        i = pairs.owner[pair]
-        j = pairs.partner[pair]
-        d = bodies.position[i] - bodies.position[j]
-        flow = Flow()
-        if wp.static(laws.periodic):
-            image = real_vector(pairs.image[pair])
-            d -= cell.edges[0] * image
-            if wp.static(laws.deforming):
-                flow.half = cell.rate[0] * image
-                flow.end = cell.rate_end[0] * image
-        law = materials[pairs.material[pair]]
-        hit, near, freed, unrolled = find(geometry, bodies, candidates, i, j, law, d, pair, margin)
-        account = given_up(law, freed, unrolled)
-        power = vec4()
-        if near:
-            tau, beta = dashpot_of(inertia, law, i, j, dt)
-            # fmt: off
-            force, torque, a, p = apply(
-                geometry, inertia, bodies, candidates, law, flow, i, j, d, pair, hit.normal,
-                hit.point, -hit.gap, real(1.0), tau, beta, dt,
-            )
-            # fmt: on
-            account += a
-            power = p
-            pairs.touching[pair] = 1
-            pairs.force[pair] = force
-            pairs.torque[pair] = torque - wp.cross(d, force)
-            pairs.torque_partner[pair] = -torque
-        elif pairs.touching[pair] != 0:
-            pairs.touching[pair] = 0
-        if wp.static(laws.account):
-            since = energy.pair[pair]
-            lost = since + account + power * dt
-            energy.pair[pair] = vec4(account[0], lost[1], lost[2], lost[3])
-            energy.power[pair] = power
-
-    return single_forces
-
-
-@functools.cache
-def single_dashpot(laws: Laws) -> wp.Function:
-    """``dashpot`` of a single contact between centres."""
-
-    @inlined()
-    def single_dashpot(inertia: Inertia, law: Material, i: int, j: int, dt: real):
-        tau = real(0.0)
-        beta = real(0.0)
-        if wp.static(laws.damped):
-            omega = wp.sqrt(law.kn * (inertia.inverse_mass[i] + inertia.inverse_mass[j]))
-            tau = real(2.0) * law.zeta / omega
-            beta = law.zeta * omega * dt
-        return tau, beta
-
-    return single_dashpot
-
-
-@functools.cache
-def packed_forces(laws: Laws) -> wp.Kernel:
-    """Kernel of ``pair_forces`` for pairs of any number of candidates."""
+    """Kernel of the contact wrench of each body pair."""
     find = find_touching(laws)
     apply = apply_laws(laws)
     dashpot_of = dashpot(laws)
 
     @variant
-    def packed_forces(
+    def pair_forces(
         # model
         geometry: Geometry,
         inertia: Inertia,
@@ -281,4 +183,4 @@ def packed_forces(laws: Laws) -> wp.Kernel:
             energy.pair[pair] = vec4(account[0], lost[1], lost[2], lost[3])
             energy.power[pair] = power
 
-    return packed_forces
+    return pair_forces

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import warp as wp
 from warpdem.kernels.driving import follow, respond
 from warpdem.kernels.external import Forces, external_forces
+from warpdem.kernels.incidence import pair_at, pairs_of
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.rotation import arc
 from warpdem.kernels.surfaces import tilt
@@ -26,6 +27,7 @@ from warpdem.kernels.views import (
     Geometry,
     Incidence,
     Inertia,
+    Joints,
     Pairs,
 )
 
@@ -149,24 +151,44 @@ def halt(
             clock.halted[0] = 1
 
 
-@inlined()
-def gather(pairs: Pairs, incidence: Incidence, body: int):
-    """Contact force and torque on a body, summed over its pairs in a fixed order; how many act."""
-    acting = int(0)
-    force = vec3()
-    torque = vec3()
-    for k in range(incidence.start[body], incidence.start[body + 1]):
-        code = incidence.pair[k]
-        pair = code >> 1
-        if pairs.touching[pair] > 0:
-            acting += 1
-            if (code & 1) == 0:
-                force += pairs.force[pair]
-                torque += pairs.torque[pair]
-            else:
+@functools.cache
+def gather(*, summed: bool) -> wp.Function:
+    """Function of the contact force and torque on a body, and how many pairs act on it.
+
+    Summed over its pairs in a fixed order; ``summed``: over those it owns by the pair kernel.
+    """
+
+    @inlined()
+    def one_by_one(pairs: Pairs, incidence: Incidence, body: int):
+        acting = int(0)
+        force = vec3()
+        torque = vec3()
+        first, others, count = pairs_of(incidence, body)
+        for k in range(count):
+            code = pair_at(incidence, body, first, others, k)
+            pair = code >> 1
+            if pairs.touching[pair] > 0:
+                acting += 1
+                if (code & 1) == 0:
+                    force += pairs.force[pair]
+                    torque += pairs.torque[pair]
+                else:
+                    force -= pairs.force[pair]
+                    torque += pairs.torque_partner[pair]
+        return force, torque, acting
+
+    @inlined()
+    def beyond_own(pairs: Pairs, incidence: Incidence, body: int):
+        force = incidence.own_force[body]
+        torque = incidence.own_torque[body]
+        for k in range(incidence.start[body], incidence.start[body + 1]):
+            pair = incidence.pair[k]
+            if pairs.touching[pair] > 0:
                 force -= pairs.force[pair]
                 torque += pairs.torque_partner[pair]
-    return force, torque, acting
+        return force, torque, 0
+
+    return beyond_own if summed else one_by_one
 
 
 @inlined()
@@ -178,12 +200,12 @@ def book(energy: Account, body: int, power: real, dt: real):
 
 
 @inlined()
-def gather_bonds(bonds: Bonds, joined: Incidence, body: int):
+def gather_bonds(bonds: Bonds, joined: Joints, body: int):
     """Force and torque of the bonds on a body, summed over its interfaces in a fixed order."""
     force = vec3()
     torque = vec3()
     for k in range(joined.start[body], joined.start[body + 1]):
-        code = joined.pair[k]
+        code = joined.interface[k]
         interface = code >> 1
         if bonds.state[interface] != 0:
             if (code & 1) == 0:
@@ -200,6 +222,7 @@ class Motion(NamedTuple):
 
     predicted: bool  # velocities are predicted for the end of the step
     contacts: bool
+    summed: bool  # the pair kernel sums the wrenches of the pairs a body owns
     paths: bool  # there are hot lists
     turns: bool  # orientations are followed
     spherical: bool  # all moments of inertia are alike
@@ -216,20 +239,21 @@ class Motion(NamedTuple):
 @functools.cache
 def gathering(motion: Motion) -> wp.Function:
     """Function of the force and torque on a body from its pairs and bonds."""
+    gather_pairs = gather(summed=motion.summed)
 
     @inlined()
     def gathering(
         pairs: Pairs,
         incidence: Incidence,
         glue: Bonds,
-        joined: Incidence,
+        joined: Joints,
         bodies: Bodies,
         body: int,
     ):
         force = vec3()
         torque = vec3()
         if wp.static(motion.contacts):
-            force, torque, acting = gather(pairs, incidence, body)
+            force, torque, acting = gather_pairs(pairs, incidence, body)
             if wp.static(motion.braking):
                 bodies.braked[body] = acting
         if wp.static(motion.bonds):
@@ -259,7 +283,7 @@ def driving(motion: Motion) -> wp.Function:
         pairs: Pairs,
         incidence: Incidence,
         glue: Bonds,
-        joined: Incidence,
+        joined: Joints,
         cell: Cell,
         drives: Drives,
         bodies: Bodies,
@@ -340,7 +364,7 @@ def advance(
         pairs: Pairs,
         incidence: Incidence,
         glue: Bonds,
-        joined: Incidence,
+        joined: Joints,
         cell: Cell,
         # in and out
         drives: Drives,

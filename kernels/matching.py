@@ -187,8 +187,5 @@ def carry_history(
             pairs.hot_end[pair] = pairs.start[pair]
             pairs.cold[pair] = real(-1.0)
         pairs.touching[pair] = 0
-        pairs.force[pair] = vec3()
-        pairs.torque[pair] = vec3()
-        pairs.torque_partner[pair] = vec3()
 
     return carry_history

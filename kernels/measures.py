@@ -5,6 +5,7 @@ from typing import Any
 
 import warp as wp
 from warpdem.kernels.cell import real_vector
+from warpdem.kernels.incidence import pair_at, pairs_of
 from warpdem.kernels.precision import mat66, real, vec3, vec6
 from warpdem.kernels.variant import variant
 from warpdem.kernels.views import Bodies, Candidates, Cell, Incidence, Inertia, Material, Pairs
@@ -93,8 +94,9 @@ def frequency_bound(partnership: str, *, periodic: bool) -> wp.Kernel:
         inverse_moment = inertia.inverse_moment[body]
         inverse = wp.transpose(bodies.rotation[body])
         b = mat66()
-        for k in range(incidence.start[body], incidence.start[body + 1]):
-            code = incidence.pair[k]
+        first, others, count = pairs_of(incidence, body)
+        for k in range(count):
+            code = pair_at(incidence, body, first, others, k)
             pair = code >> 1
             law = materials[pairs.material[pair]]
             i = pairs.owner[pair]

@@ -12,13 +12,16 @@ from warpdem.kernels.surfaces import surface_near
 from warpdem.kernels.variant import inlined, plain, variant
 from warpdem.kernels.views import Bodies, Bonds, Geometry, Incidence, Inertia, Pairs
 
+# so many partners of a body are kept while they are counted; blocks own 11 on average in a heap
+FEW = wp.constant(16)
+
 
 @inlined()
 def owns(geometry: Geometry, inertia: Inertia, i: int, j: int) -> bool:
     """Whether i owns the pair i j: the lower rank does; two bodies that cannot yield have none."""
-    if inertia.inverse_mass[i] == real(0.0) and inertia.inverse_mass[j] == real(0.0):
+    if geometry.rank[i] >= geometry.rank[j]:
         return False
-    return geometry.rank[i] < geometry.rank[j]
+    return inertia.inverse_mass[i] != real(0.0) or inertia.inverse_mass[j] != real(0.0)
 
 
 @wp.func
@@ -70,9 +73,82 @@ def insert(partners: wp.array(dtype=wp.int32), first: int, last: int, partner: i
 
 
 @functools.cache
-def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.Kernel:
-    """Kernel that counts, or writes in ascending order, the partners each body owns."""
+def search_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.Function:
+    """Function that searches the partners of body i: grid, tree, surfaces; returns their number.
+
+    It writes them in ascending order from ``first`` on; those that are only counted, the first FEW.
+    """
     apart = not_glued(bonds=bonds)
+
+    @wp.func
+    def put(partner: wp.array(dtype=wp.int32), first: int, n: int, j: int) -> int:
+        if wp.static(fill) or n < FEW:
+            insert(partner, first, first + n, j)
+        return n + 1
+
+    @inlined()
+    def search_partners(
+        geometry: Geometry,
+        inertia: Inertia,
+        grid: wp.uint64,
+        grid_bound: real,
+        tree: wp.uint64,
+        tree_body: wp.array(dtype=wp.int32),
+        surface_body: wp.array(dtype=wp.int32),
+        gap: real,
+        widest: real,
+        bodies: Bodies,
+        glue: Bonds,
+        i: int,
+        first: int,
+        partner: wp.array(dtype=wp.int32),
+    ) -> int:
+        n = int(0)
+        x = bodies.position[i]
+        own = bodies.reach[i] + gap
+        grown = geometry.bound[i] + own + widest
+        if geometry.large[i] == 0:
+            for j in wp.hash_grid_query(grid, x, grown + grid_bound):
+                if geometry.large[j] == 0 and owns(geometry, inertia, i, j):
+                    d = x - bodies.position[j]
+                    if bodies_near(geometry, bodies, i, j, d, own + bodies.reach[j]) and apart(
+                        glue, i, j
+                    ):
+                        n = put(partner, first, n, j)
+        if wp.static(large):
+            # the tree holds single precision: one part in 1e6 outward
+            slack = real(1.0e-6) * (wp.length(x) + grown)
+            low = x - vec3(grown + slack)
+            high = x + vec3(grown + slack)
+            query = wp.bvh_query_aabb(tree, wp.vec3(low), wp.vec3(high))
+            item = int(0)
+            while wp.bvh_query_next(query, item):
+                j = tree_body[item]
+                if j != i and owns(geometry, inertia, i, j):
+                    d = x - bodies.position[j]
+                    if bodies_near(geometry, bodies, i, j, d, own + bodies.reach[j]) and apart(
+                        glue, i, j
+                    ):
+                        n = put(partner, first, n, j)
+        if wp.static(surfaces):
+            for k in range(surface_body.shape[0]):
+                j = surface_body[k]
+                if owns(geometry, inertia, i, j):
+                    if surface_near(geometry, bodies, i, j, own + bodies.reach[j]):
+                        n = put(partner, first, n, j)
+        return n
+
+    return search_partners
+
+
+@functools.cache
+def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.Kernel:
+    """Kernel that counts, or writes in ascending order, the partners each body owns.
+
+    The counting kernel writes the first FEW of a body, at FEW body: bodies with no more are not
+    searched again.
+    """
+    search = search_partners(fill=fill, large=large, surfaces=surfaces, bonds=bonds)
 
     @variant
     def find_partners(
@@ -89,58 +165,57 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
         widest: real,
         bodies: Bodies,
         glue: Bonds,
+        # in and out
+        few: wp.array(dtype=wp.int32),
         # out
         ends: wp.array(dtype=wp.int32),
         owner: wp.array(dtype=wp.int32),
         partner: wp.array(dtype=wp.int32),
     ):
         i = wp.tid()
-        first = int(0)
         if wp.static(fill):
+            first = int(0)
             if i > 0:
                 first = ends[i - 1]
-        n = int(0)
-        x = bodies.position[i]
-        own = bodies.reach[i] + gap
-        grown = geometry.bound[i] + own + widest
-        if geometry.large[i] == 0:
-            for j in wp.hash_grid_query(grid, x, grown + grid_bound):
-                if geometry.large[j] == 0 and owns(geometry, inertia, i, j):
-                    d = x - bodies.position[j]
-                    skin = own + bodies.reach[j]
-                    if bodies_near(geometry, bodies, i, j, d, skin) and apart(glue, i, j):
-                        if wp.static(fill):
-                            insert(partner, first, first + n, j)
-                        n += 1
-        if wp.static(large):
-            # the tree holds single precision: one part in 1e6 outward
-            slack = real(1.0e-6) * (wp.length(x) + grown)
-            low = x - vec3(grown + slack)
-            high = x + vec3(grown + slack)
-            query = wp.bvh_query_aabb(tree, wp.vec3(low), wp.vec3(high))
-            item = int(0)
-            while wp.bvh_query_next(query, item):
-                j = tree_body[item]
-                if j != i and owns(geometry, inertia, i, j):
-                    d = x - bodies.position[j]
-                    skin = own + bodies.reach[j]
-                    if bodies_near(geometry, bodies, i, j, d, skin) and apart(glue, i, j):
-                        if wp.static(fill):
-                            insert(partner, first, first + n, j)
-                        n += 1
-        if wp.static(surfaces):
-            for k in range(surface_body.shape[0]):
-                j = surface_body[k]
-                if owns(geometry, inertia, i, j):
-                    if surface_near(geometry, bodies, i, j, own + bodies.reach[j]):
-                        if wp.static(fill):
-                            insert(partner, first, first + n, j)
-                        n += 1
-        if wp.static(fill):
-            for k in range(first, first + n):
+            if ends[i] - first > FEW:
+                search(
+                    geometry,
+                    inertia,
+                    grid,
+                    grid_bound,
+                    tree,
+                    tree_body,
+                    surface_body,
+                    gap,
+                    widest,
+                    bodies,
+                    glue,
+                    i,
+                    first,
+                    partner,
+                )
+            else:
+                for k in range(ends[i] - first):
+                    partner[first + k] = few[FEW * i + k]
+            for k in range(first, ends[i]):
                 owner[k] = i
         else:
-            ends[i] = n
+            ends[i] = search(
+                geometry,
+                inertia,
+                grid,
+                grid_bound,
+                tree,
+                tree_body,
+                surface_body,
+                gap,
+                widest,
+                bodies,
+                glue,
+                i,
+                FEW * i,
+                few,
+            )
 
     return find_partners
 
@@ -178,25 +253,32 @@ def incidence_keys(
     keys: wp.array(dtype=wp.int32),
     values: wp.array(dtype=wp.int32),
 ):
-    """Both ends of each pair, to be sorted by body; and the material of the pair."""
+    """The partner of each pair, by which they are to be sorted; and the material of the pair."""
     pair = wp.tid()
     i = pairs.owner[pair]
     j = pairs.partner[pair]
-    keys[2 * pair] = i
-    values[2 * pair] = 2 * pair
-    keys[2 * pair + 1] = j
-    values[2 * pair + 1] = 2 * pair + 1
+    keys[pair] = j
+    values[pair] = pair
     pairs.material[pair] = geometry.group[i] * group_count + geometry.group[j]
 
 
 @plain
 def incidence_starts(
+    # model
+    body_count: int,
     # in
     keys: wp.array(dtype=wp.int32),
     count: int,
     # out
     incidence: Incidence,
 ):
-    """Where each body's pairs begin in the sorted ends."""
-    body = wp.tid()
-    incidence.start[body] = lower_bound(keys, 0, count, body)
+    """Where each body's pairs begin in the sorted ones; a thread a pair, and one more."""
+    k = wp.tid()
+    low = int(0)
+    high = body_count
+    if k > 0:
+        low = keys[k - 1] + 1
+    if k < count:
+        high = keys[k]
+    for body in range(low, high + 1):
+        incidence.start[body] = k

@@ -208,10 +208,25 @@ class Candidates:
 
 @wp.struct
 class Incidence:
-    """Pairs of each body: 2 pair + (1 where the body is the partner), in CSR."""
+    """Pairs of each body, see incidence.py: as partner in CSR, as owner in the slices of the lists.
+
+    ``own_force`` and ``own_torque`` are the sums over the pairs it owns, where the pair kernel makes
+    them: for spheres.
+    """
 
     start: wp.array(dtype=wp.int32)
     pair: wp.array(dtype=wp.int32)
+    ends: wp.array(dtype=wp.int32)
+    own_force: wp.array(dtype=vec3)
+    own_torque: wp.array(dtype=vec3)
+
+
+@wp.struct
+class Joints:
+    """Interfaces of each body: 2 interface + (1 where the body is the partner), in CSR."""
+
+    start: wp.array(dtype=wp.int32)
+    interface: wp.array(dtype=wp.int32)
 
 
 @wp.struct

@@ -15,7 +15,7 @@ from warpdem.kernels.bond_bound import bond_bound
 from warpdem.kernels.bonding import BROKEN, INTACT, YIELDED
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.release import release
-from warpdem.kernels.views import BondLaw, Bonds, Incidence
+from warpdem.kernels.views import BondLaw, Bonds, Joints
 from warpdem.model import on
 from warpdem.snapshot import Breakage
 from warpdem.stages import laws
@@ -45,7 +45,7 @@ class Bonding:
     Attributes:
         made: How they were made.
         bonds: Their arrays on the device (see kernels.views).
-        joined: Interfaces of each body, as `Incidence` has pairs.
+        joined: Interfaces of each body.
         time: When each broke [s], NaN before, shape [interface_count].
     """
 
@@ -259,11 +259,11 @@ def _masses(
     return mass
 
 
-def _joined(made: Interfaces, body_count: int, device: Any) -> Incidence:
+def _joined(made: Interfaces, body_count: int, device: Any) -> Joints:
     """Interfaces of each body: 2 k + (1 where it is the partner), ascending."""
     ends = made.bodies.ravel()
     order = np.argsort(ends, kind="stable")
-    joined = Incidence()
+    joined = Joints()
     joined.start = on(device, np.searchsorted(ends[order], np.arange(body_count + 1)), wp.int32)
-    joined.pair = on(device, order, wp.int32)
+    joined.interface = on(device, order, wp.int32)
     return joined

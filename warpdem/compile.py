@@ -10,15 +10,16 @@ import warp as wp
 
 from warpdem.bonding import release_kernel
 from warpdem.kernels.bond_bound import bond_bound
-from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.driving import wall_frequency
 from warpdem.kernels.images import find_images, wrap_bodies
 from warpdem.kernels.integrate import orient
 from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.neighbours import find_partners, incidence_keys
+from warpdem.kernels.sphere_forces import locate_contacts
 from warpdem.lists import history_kernel
 from warpdem.materials import try_custom_laws
-from warpdem.stages import advance, after_drift, cell_drift, cycle
+from warpdem.search import candidate_kernels
+from warpdem.stages import advance, after_drift, cell_drift, cycle, laws
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,13 +55,10 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
                 fill=fill, large=has.large, surfaces=has.surfaces, bonds=has.bonds
             )
             kernels["wrap"] = wrap_bodies
-        kernels[f"{word} candidates"] = find_candidates(
-            fill=fill,
-            polyhedra=has.polyhedra,
-            trees=has.trees,
-            surfaces=has.surfaces,
-            periodic=has.periodic,
-        )
+    for number, kernel in enumerate(candidate_kernels(has), 1):
+        kernels[f"candidates {number}"] = kernel
+    if has.single:
+        kernels["locate"] = locate_contacts(laws(has))
     kernels["history"] = history_kernel(has)
     kernels["incidence"] = incidence_keys
     kernels["measures"] = frequency_bound(has.partnership, periodic=has.periodic)

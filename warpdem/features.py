@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from warpdem.input.scene import Contact, Scene
     from warpdem.input.scene_run import Numerics
 
-# a shape with more features than this is searched through a tree instead of one by one
-TREE_FEATURES = 128
+# a shape with more features than this, or more of one kind than the second number, is searched
+# through a tree instead of one by one
+TREE_FEATURES, TREE_KIND = 128, 64
 # a body larger than this times the median free body is found through a tree, not the grid
 LARGE_BODY = 4.0
 # ratios of principal moments closer than this to 1 count as spherical inertia
@@ -85,12 +86,20 @@ class Features:
     @property
     def braking(self) -> bool:
         """Dashpots ask how many pairs act on a body."""
-        return self.contacts and self.damped and self.predicted
+        return self.contacts and self.damped and self.predicted and not self.single
 
     @property
     def hot_lists(self) -> bool:
         """Pairs have more than one candidate."""
         return self.contacts and self.polyhedra
+
+    @property
+    def single(self) -> bool:
+        """Every pair has one candidate, and a kernel of its own: see kernels.sphere_forces.
+
+        Walls that follow a force ask for what touches them as a whole.
+        """
+        return self.contacts and not self.polyhedra and not self.controlled
 
     @property
     def acted(self) -> bool:
@@ -245,7 +254,8 @@ def _forces(scene: Scene) -> dict[str, Any]:
 
 def has_tree(shape: Polyhedron) -> bool:
     """Whether a shape is searched through a tree over its features."""
-    return len(shape.vertices) + len(shape.edges) + len(shape.face_offsets) > TREE_FEATURES
+    counts = len(shape.vertices), len(shape.edges), len(shape.face_offsets)
+    return sum(counts) > TREE_FEATURES or max(counts) > TREE_KIND
 
 
 def surface_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:

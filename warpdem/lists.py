@@ -8,11 +8,19 @@ import numpy as np
 import warp as wp
 
 from warpdem.images import Images, shorten
-from warpdem.kernels.candidates import find_candidates
 from warpdem.kernels.matching import carry_history
-from warpdem.kernels.neighbours import find_partners, incidence_keys, incidence_starts, set_reach
+from warpdem.kernels.neighbours import (
+    FEW,
+    find_partners,
+    incidence_keys,
+    incidence_starts,
+    set_reach,
+)
 from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.sphere_forces import locate_contacts
 from warpdem.kernels.views import Bonds, Candidates, Incidence, Pairs
+from warpdem.search import Search
+from warpdem.stages import laws
 
 if TYPE_CHECKING:
     from warpdem.arrays import FloatArray
@@ -61,6 +69,12 @@ class Lists:
         count = model.body_count
         self.incidence.start = wp.zeros(count + 1, dtype=wp.int32, device=device)
         self.ends = wp.zeros(count, dtype=wp.int32, device=device)
+        self.incidence.ends = self.ends
+        own = count if model.features.single else 1
+        self.incidence.own_force = wp.zeros(own, dtype=vec3, device=device)
+        self.incidence.own_torque = wp.zeros(own, dtype=vec3, device=device)
+        few = 1 if self.has_images else FEW * count
+        self._few = wp.zeros(few, dtype=wp.int32, device=device)
         self._grid_bound = float(model.bound[~model.large].max(initial=0.0))
         self._grid = self._hash_grid()
         self._tree: wp.Bvh | None = None
@@ -68,6 +82,7 @@ class Lists:
         self._tree_body = wp.array(self._in_tree, dtype=wp.int32, device=device)
         surfaces = np.flatnonzero(model.surface)
         self._surface_body = wp.array(surfaces, dtype=wp.int32, device=device)
+        self._search = Search(model, state)
         self._grow_pairs(1)
         self._grow_candidates(1)
 
@@ -89,12 +104,26 @@ class Lists:
         if self._model.features.surfaces and self._model.features.driven:
             self._measure_surfaces()
         self._find_pairs()
-        self._find_candidates()
+        self.candidate_count = self._search.find(
+            self.pairs, self.pair_count, self.candidates, self._grow_candidates
+        )
         self._carry(old)
         state.bodies.path.zero_()
         state.clock.moved.zero_()
         state.clock.halted.zero_()
         self.rebuilds += 1
+
+    def locate(self) -> None:
+        """Write where spheres touch; for others the pair kernel does."""
+        model, state = self._model, self._state
+        if model.features.single and self.pair_count:
+            wp.launch(
+                locate_contacts(laws(model.features)),
+                dim=self.pair_count,
+                inputs=[model.geometry, state.bodies, self.pairs, state.cell],
+                outputs=[self.candidates],
+                device=model.device,
+            )
 
     def _set_reach(self, dt: float) -> None:
         """Let fast bodies go farther before the lists are renewed than slow ones."""
@@ -152,10 +181,11 @@ class Lists:
         pairs.image = wp.zeros(room if self.has_images else 1, dtype=wp.vec3i, device=device)
         pairs.start = wp.zeros(room + 1, dtype=wp.int32, device=device)
         pairs.force = wp.zeros(room, dtype=vec3, device=device)
-        pairs.torque = wp.zeros(room, dtype=vec3, device=device)
+        both = 1 if self._model.features.single else room
+        pairs.torque = wp.zeros(both, dtype=vec3, device=device)
         pairs.torque_partner = wp.zeros(room, dtype=vec3, device=device)
-        self.incidence.pair = wp.zeros(4 * room, dtype=wp.int32, device=device)
-        self._keys = wp.zeros(4 * room, dtype=wp.int32, device=device)
+        self.incidence.pair = wp.zeros(2 * room, dtype=wp.int32, device=device)
+        self._keys = wp.zeros(2 * room, dtype=wp.int32, device=device)
         if self._model.features.account:
             self._state.account.pair = wp.zeros(room, dtype=vec4, device=device)
             self._state.account.power = wp.zeros(room, dtype=vec4, device=device)
@@ -256,6 +286,7 @@ class Lists:
                     widest,
                     bodies,
                     glue,
+                    self._few,
                 ],
                 outputs=outputs,
                 device=model.device,
@@ -301,7 +332,7 @@ class Lists:
         return centre - extent, centre + extent
 
     def _link(self) -> None:
-        """Each body's pairs, in ascending order of pair."""
+        """The pairs in which each body is the partner, in ascending order."""
         model, count = self._model, self.pair_count
         if count:
             wp.launch(
@@ -311,49 +342,14 @@ class Lists:
                 outputs=[self._keys, self.incidence.pair],
                 device=model.device,
             )
-            wp.utils.radix_sort_pairs(self._keys, self.incidence.pair, 2 * count)
+            wp.utils.radix_sort_pairs(self._keys, self.incidence.pair, count)
         wp.launch(
             incidence_starts,
-            dim=model.body_count + 1,
-            inputs=[self._keys, 2 * count],
+            dim=count + 1,
+            inputs=[model.body_count, self._keys, count],
             outputs=[self.incidence],
             device=model.device,
         )
-
-    def _find_candidates(self) -> None:
-        model, count = self._model, self.pair_count
-        self.candidate_count = 0
-        if count == 0:
-            return
-        has = model.features
-
-        def launch(ends: wp.array, *, fill: bool) -> None:
-            wp.launch(
-                find_candidates(
-                    fill=fill,
-                    polyhedra=has.polyhedra,
-                    trees=has.trees,
-                    surfaces=has.surfaces,
-                    periodic=has.periodic,
-                ),
-                dim=count,
-                inputs=[
-                    model.geometry,
-                    model.reach,
-                    self._state.bodies,
-                    self.pairs,
-                    self._state.cell,
-                ],
-                outputs=[self.candidates.code, ends],
-                device=model.device,
-            )
-
-        ends = self.pairs.start[1 : count + 1]
-        launch(ends, fill=False)
-        wp.utils.array_scan(ends, ends, inclusive=True)
-        self.candidate_count = int(ends[-1:].numpy()[0])
-        self._grow_candidates(self.candidate_count)
-        launch(ends, fill=True)
 
     def _carry(self, old: tuple[wp.array, ...]) -> None:
         if self.pair_count:

@@ -88,12 +88,23 @@ def _forces(model: Model, state: State, lists: Lists) -> tuple[FloatArray, Float
     f = pairs.force.numpy()[on]
     mine, theirs = fixed[owner], fixed[partner]
     np.add.at(force, owner[mine], f[mine])
-    np.add.at(torque, owner[mine], pairs.torque.numpy()[on][mine])
+    np.add.at(torque, owner[mine], _torque_of_owners(model, state, lists, on[mine]))
     np.subtract.at(force, partner[theirs], f[theirs])
     np.add.at(torque, partner[theirs], pairs.torque_partner.numpy()[on][theirs])
     if state.bonding:
         observe_bonds.add_forces(state.bonding, fixed, force, torque)
     return force, torque
+
+
+def _torque_of_owners(model: Model, state: State, lists: Lists, pair: IntArray) -> FloatArray:
+    """Contact torques on the owners of pairs about their centres [N m], shape [len(pair), 3]."""
+    pairs = lists.pairs
+    if not model.features.single:
+        return pairs.torque.numpy()[pair]
+    position = state.bodies.position.numpy()
+    d = position[pairs.owner.numpy()[pair]] - position[pairs.partner.numpy()[pair]]
+    d = d - shifts(state, lists, pair)
+    return -pairs.torque_partner.numpy()[pair] - np.cross(d, pairs.force.numpy()[pair])
 
 
 def _contacts(model: Model, state: State, lists: Lists) -> Contacts:

@@ -68,7 +68,7 @@ def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
         kept_of = getattr(candidates, name).numpy()
         saved[f"contact_{name}"] = kept_of[kept] if len(kept_of) > 1 else kept_of[:0]
     for name in PAIRS:
-        saved[f"pair_{name}"] = getattr(pairs, name).numpy()[:n].copy()
+        saved[f"pair_{name}"] = getattr(pairs, name).numpy()[:n].copy()  # torque: none of spheres
     place, _ = slots(lists)
     for name in TOUCHING:
         saved[f"touching_{name}"] = getattr(candidates, name).numpy()[place]
@@ -135,7 +135,9 @@ def _touch(lists: Lists, saved: dict[str, np.ndarray]) -> None:
     if not n:
         return
     for name in PAIRS:
-        getattr(lists.pairs, name)[:n].assign(saved[f"pair_{name}"])
+        values = saved[f"pair_{name}"]
+        if len(values) == n:
+            getattr(lists.pairs, name)[:n].assign(values)
     place, _ = slots(lists)
     for name in TOUCHING:
         values = getattr(lists.candidates, name)

@@ -238,7 +238,8 @@ class Simulation:
         self._stepper = Stepper(model, state, lists, self._shares, self.dt)
 
     def _launch(self, *stages: Stage) -> None:
-        self._whole.pairs.assign([0, self._lists.pair_count])
+        owners = self.body_count if self.features.single else self._lists.pair_count
+        self._whole.pairs.assign([0, owners])
         for stage in stages:
             bonding = self._state.bonding
             count = {"bodies": self.body_count, "pairs": self._lists.pair_count}
@@ -282,6 +283,7 @@ class Simulation:
             else:
                 self._launch(*after_drift(model, state, lists, whole, 0.0))
                 lists.change_step(0.0, self.dt)
+            lists.locate()
             self._examine_step()
             self._lower_step()
         else:
@@ -312,6 +314,7 @@ class Simulation:
             left -= self.step_count - before
             self._resolve()
         self._launch(*self._after)
+        self._lists.locate()
         if self._next_dt != self.dt:
             self._change_step()
 
@@ -327,6 +330,7 @@ class Simulation:
             self._name_fault()
         if not clock.moved.numpy()[0]:
             return
+        self._lists.locate()
         self._examine_step()
         self._lists.rebuild(self.dt)
         if bonding := self._state.bonding:

@@ -26,7 +26,8 @@ from warpdem.kernels.rotation import (
     taylor_drift,
     taylor_torque,
 )
-from warpdem.kernels.views import Bonds, Incidence
+from warpdem.kernels.sphere_forces import sphere_forces
+from warpdem.kernels.views import Bonds, Joints
 from warpdem.materials import load_custom_law
 
 if TYPE_CHECKING:
@@ -66,22 +67,23 @@ def halt(share: Share) -> Stage:
 
 def forces(model: Model, state: State, lists: Lists, share: Share, dt: float) -> Stage:
     """Contact wrench of each pair."""
-    arguments = (
+    has = model.features
+    inputs = (
         model.geometry,
         model.inertia,
         model.materials,
         dt,
-        max(model.keep_within, model.reach, model.skin if model.features.sticky else 0.0),
+        max(model.keep_within, model.reach, model.skin if has.sticky else 0.0),
         share.pairs,
         state.bodies,
         share.clock,
         state.cell,
-        state.drives,
-        lists.pairs,
-        lists.candidates,
-        state.account,
     )
-    return Stage("pair forces", pair_forces(laws(model.features)), "pairs", arguments)
+    if has.single:
+        outputs = (lists.pairs, lists.candidates, lists.incidence, state.account)
+        return Stage("pair forces", sphere_forces(laws(has)), "bodies", (*inputs, *outputs))
+    outputs = (state.drives, lists.pairs, lists.candidates, state.account)
+    return Stage("pair forces", pair_forces(laws(has)), "pairs", (*inputs, *outputs))
 
 
 def bonds(model: Model, state: State, share: Share, dt: float) -> tuple[Stage, ...]:
@@ -130,10 +132,11 @@ def advance(
     motion = Motion(
         **chosen | {"contacts": has.contacts if contacts is None else contacts},
         paths=has.hot_lists,
+        summed=has.single,
     )
     torque = free_torque if has.rotation == "no_squish" else taylor_torque
     kernel = advance_kernel(_rotate(has), torque, forces_on_bodies(has), motion)
-    glue, joined = Bonds(), Incidence()
+    glue, joined = Bonds(), Joints()
     if state.bonding:
         glue, joined = state.bonding.bonds, state.bonding.joined
     arguments = (

@@ -47,22 +47,29 @@ class Stepper:
     def prepare(self) -> None:
         """Cut new lists into shares of equal work; forget graphs whose arrays were replaced."""
         lists = self._lists
-        count = lists.pair_count
-        members = len(self._shares)
-        cuts = np.array([0, count])
-        if members > 1 and count:
-            start = lists.pairs.start.numpy()[: count + 1]
-            cost = start + PAIR_COST * np.arange(count + 1)
-            cuts = np.searchsorted(cost, np.linspace(0, cost[-1], members + 1))
-            cuts[0], cuts[-1] = 0, count
-        elif members > 1:
-            cuts = np.zeros(members + 1, dtype=int)
+        cuts = self._cuts()
         for share, first, last in zip(self._shares, cuts[:-1], cuts[1:], strict=True):
             share.pairs.assign(np.array([first, last], dtype=np.int32))
             share.clock.halted.zero_()
         if lists.generation != self._generation:
             self._graphs.clear()
             self._generation = lists.generation
+
+    def _cuts(self) -> np.ndarray:
+        """Where the shares of the pair kernel begin and end: in pairs, or in their owners."""
+        lists, members = self._lists, len(self._shares)
+        single = self._model.features.single
+        count = self._model.body_count if single else lists.pair_count
+        if members == 1 or not lists.pair_count:
+            return np.array([0, *[count] * members])
+        if single:
+            work = np.concatenate([[0], lists.ends.numpy()])
+        else:
+            work = lists.pairs.start.numpy()[: count + 1]
+        cost = work + PAIR_COST * np.arange(count + 1)
+        cuts = np.searchsorted(cost, np.linspace(0, cost[-1], members + 1))
+        cuts[0], cuts[-1] = 0, count
+        return cuts
 
     def cycles(self, count: int) -> None:
         """Run up to ``count`` cycles; fewer when the clock halts."""
