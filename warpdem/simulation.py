@@ -16,6 +16,7 @@ from warpdem.checks.check import build_shapes
 from warpdem.checks.custom_laws import check_custom_laws
 from warpdem.checks.timestep import automatic_step
 from warpdem.compile import load
+from warpdem.crews import Crews
 from warpdem.devices import find_device
 from warpdem.drives import Blocks
 from warpdem.driving.plan import plan_of
@@ -105,7 +106,8 @@ class Simulation:
         self._lists = Lists(self._model, self._state)
         count = self.body_count
         self._whole = cut(self._state, count, 1, self.device)[0]
-        self._shares = cut(self._state, count, self._crew_size(), self.device)
+        sizes = sorted({1, self._crew_size()})
+        self._crews = [cut(self._state, count, size, self.device) for size in sizes]
         self._time = 0.0
         self._time_steps = 0
         self._next_dt = self.dt
@@ -209,7 +211,7 @@ class Simulation:
             "pairs": self._lists.pair_count,
             "candidates": self._lists.candidate_count,
             "device": str(self.device),
-            "threads": self._crew_size(),
+            "threads": self._stepper.best,
             "precision": self.scene.run.precision,
             "features": [k for k, v in vars(self.features).items() if v],
             "stages": list(stage_names(self.features)),
@@ -224,7 +226,7 @@ class Simulation:
 
     def _compile(self, progress: Callable[[str], None]) -> None:
         self.compile_seconds = load(
-            self._model, self._state, self._lists, self._shares[0], progress
+            self._model, self._state, self._lists, self._crews[-1][0], progress
         )
 
     def _make_stages(self) -> None:
@@ -235,7 +237,9 @@ class Simulation:
             halt(self._whole),
         )
         self._after = after_drift(model, state, lists, self._whole, self.dt)
-        self._stepper = Stepper(model, state, lists, self._shares, self.dt)
+        self._stepper = Crews(
+            [Stepper(model, state, lists, shares, self.dt) for shares in self._crews]
+        )
 
     def _launch(self, *stages: Stage) -> None:
         owners = self.body_count if self.features.single else self._lists.pair_count

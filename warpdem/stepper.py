@@ -71,8 +71,12 @@ class Stepper:
         cuts[0], cuts[-1] = 0, count
         return cuts
 
-    def cycles(self, count: int) -> None:
-        """Run up to ``count`` cycles; fewer when the clock halts."""
+    def __len__(self) -> int:
+        """Number of host threads."""
+        return len(self._shares)
+
+    def cycles(self, count: int) -> bool:
+        """Run ``count`` cycles, or fewer where the clock halts: then False."""
         halted = self._shares[0].clock.halted
         while count > 0 and not halted.numpy()[0]:
             batch = BATCH if count >= BATCH else 1
@@ -82,6 +86,7 @@ class Stepper:
             else:
                 list(self._pool.map(wp.capture_launch, graphs))
             count -= batch
+        return not halted.numpy()[0]
 
     def close(self) -> None:
         """Let the host threads go."""
