@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import warp as wp
 
@@ -26,6 +28,11 @@ if TYPE_CHECKING:
     from warpdem.lists import Lists
     from warpdem.model import Model
     from warpdem.state import Share, State
+
+# kernels that take seconds to compile: begun first, so that none is left over at the end
+SLOW = ("pair forces", "bond forces", "count candidates", "fill candidates")
+# each compiler first spends some 3 s on Warp's own headers
+MOST_COMPILERS = 4
 
 
 def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[str, wp.Kernel]:
@@ -79,16 +86,39 @@ def load(
 ) -> float:
     """Load the modules of all kernels, compiling what the cache lacks; returns the seconds.
 
+    Several at once: Warp translates one at a time, but its compiler runs beside that.
+
     Raises:
         SceneError: A custom law cannot be built.
     """
     begin = time.perf_counter()
-    kernels = kernels_of(model, state, lists, share)
-    for number, (name, kernel) in enumerate(kernels.items(), 1):
-        progress(f"kernels {number}/{len(kernels)}: {name}")
-        try:
-            wp.load_module(kernel.module, device=model.device)
-        except Exception:  # Warp raises whatever its parser met
-            try_custom_laws(model.features.custom, model.device)
-            raise
+    modules = modules_of(kernels_of(model, state, lists, share))
+    try:
+        _load_all(modules, model.device, progress)
+    except Exception:  # Warp raises whatever its parser met
+        try_custom_laws(model.features.custom, model.device)
+        raise
     return time.perf_counter() - begin
+
+
+def modules_of(kernels: dict[str, wp.Kernel]) -> dict[wp.Module, str]:
+    """The module of each kernel with the name of one kernel in it; the slowest to compile first."""
+    modules: dict[wp.Module, str] = {}
+    for name in sorted(kernels, key=lambda name: name not in SLOW):
+        modules.setdefault(kernels[name].module, name)
+    return modules
+
+
+def _load_all(modules: dict[wp.Module, str], device: Any, progress: Callable[[str], None]) -> None:
+    with ThreadPoolExecutor(min(len(modules), os.cpu_count() or 1, MOST_COMPILERS)) as pool:
+        loads = {
+            pool.submit(wp.load_module, module, device=device): name
+            for module, name in modules.items()
+        }
+        progress(f"kernels 0/{len(modules)}")
+        try:
+            for number, done in enumerate(as_completed(loads), 1):
+                progress(f"kernels {number}/{len(modules)}: {loads[done]}")
+                done.result()
+        finally:  # whoever is interrupted or has met a fault waits for no more than what runs
+            pool.shutdown(cancel_futures=True)
