@@ -246,5 +246,7 @@ class _Blocked:
         blocked = self._balls.touched(centres, radii, self._reach)
         for obstacle in self._obstacles:
             free = np.flatnonzero(~blocked)
+            if not len(free):
+                break
             blocked[free] = obstacle.touched(centres[free], radii[free])
         return blocked
