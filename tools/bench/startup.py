@@ -126,7 +126,7 @@ def frame(scene, simulation) -> None:
 
 
 def lattice(kind: str, count: int) -> str:
-    """A scene of ``count`` bodies in a lattice over a floor."""
+    """A scene of ``count`` bodies in a lattice over a floor; frames without their surfaces."""
     side = 1
     while side**3 < count:
         side += 1
@@ -136,6 +136,8 @@ def lattice(kind: str, count: int) -> str:
 title = "{count} of kind {kind}"
 [run]
 duration = 1.0
+[output]
+surface = false
 [[shape]]
 name = "body"
 kind = "{kind}"
