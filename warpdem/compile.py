@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import time
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
-
-import warp as wp
+from typing import TYPE_CHECKING
 
 from warpdem.bonding import release_kernel
 from warpdem.kernels.bond_bound import bond_bound
@@ -19,20 +15,22 @@ from warpdem.kernels.integrate import orient
 from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.neighbours import find_partners, incidence_keys
 from warpdem.lists import history_kernel
+from warpdem.loading import load_kernels
 from warpdem.materials import try_custom_laws
 from warpdem.stages import after_drift, cell_drift, cycle, kick
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    import warp as wp
+
     from warpdem.lists import Lists
     from warpdem.model import Model
     from warpdem.state import Share, State
 
-# kernels that take seconds to compile: begun first, so that none is left over at the end
+# kernels that take seconds to compile, and those of a module that every scene has and takes least
 SLOW = ("pair forces", "bond forces", "count candidates", "fill candidates")
-# each compiler first spends some 3 s on Warp's own headers
-MOST_COMPILERS = 4
+QUICK = ("halt", "orient")
 
 
 def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[str, wp.Kernel]:
@@ -86,39 +84,15 @@ def load(
 ) -> float:
     """Load the modules of all kernels, compiling what the cache lacks; returns the seconds.
 
-    Several at once: Warp translates one at a time, but its compiler runs beside that.
-
     Raises:
         SceneError: A custom law cannot be built.
     """
     begin = time.perf_counter()
-    modules = modules_of(kernels_of(model, state, lists, share))
+    kernels = kernels_of(model, state, lists, share)
+    ordered = sorted(kernels.items(), key=lambda named: (named[0] in QUICK, named[0] not in SLOW))
     try:
-        _load_all(modules, model.device, progress)
+        load_kernels(ordered, model.device, progress)
     except Exception:  # Warp raises whatever its parser met
         try_custom_laws(model.features.custom, model.device)
         raise
     return time.perf_counter() - begin
-
-
-def modules_of(kernels: dict[str, wp.Kernel]) -> dict[wp.Module, str]:
-    """The module of each kernel with the name of one kernel in it; the slowest to compile first."""
-    modules: dict[wp.Module, str] = {}
-    for name in sorted(kernels, key=lambda name: name not in SLOW):
-        modules.setdefault(kernels[name].module, name)
-    return modules
-
-
-def _load_all(modules: dict[wp.Module, str], device: Any, progress: Callable[[str], None]) -> None:
-    with ThreadPoolExecutor(min(len(modules), os.cpu_count() or 1, MOST_COMPILERS)) as pool:
-        loads = {
-            pool.submit(wp.load_module, module, device=device): name
-            for module, name in modules.items()
-        }
-        progress(f"kernels 0/{len(modules)}")
-        try:
-            for number, done in enumerate(as_completed(loads), 1):
-                progress(f"kernels {number}/{len(modules)}: {loads[done]}")
-                done.result()
-        finally:  # whoever is interrupted or has met a fault waits for no more than what runs
-            pool.shutdown(cancel_futures=True)

@@ -1,9 +1,9 @@
 """Where the time goes from the command to the first step: ``python tools/bench/startup.py``.
 
-Each scene starts in a process of its own, with the kernels in the cache (warm) and with an empty
-cache (cold): imports, reading, shapes, placement, arrays, kernels, first step, first frame. Rows are
-nested; the seconds of a row contain those of the rows below it. ``--spheres N`` and ``--cubes N``
-start lattices of so many bodies instead of scenes.
+Each scene starts in a process of its own, first with empty caches of kernels and of mass properties
+(cold), then with what that left in them (warm): imports, reading, shapes, placement, arrays,
+kernels, first step, first frame. Rows are nested; the seconds of a row contain those of the rows
+below it. ``--spheres N`` and ``--cubes N`` start lattices of so many bodies instead of scenes.
 """
 
 from __future__ import annotations
@@ -51,6 +51,7 @@ class Clock:
 
     @contextlib.contextmanager
     def part(self, what: str):
+        """A row, and its rows until it ends."""
         row = [self._depth, what, time.perf_counter(), cpu()]
         self.rows.append(row)
         self._depth += 1
@@ -115,9 +116,10 @@ def frame(scene, simulation) -> None:
     from warpdem.output.recorder import Recorder  # noqa: PLC0415 - the same
     from warpdem.output.writer import Writer  # noqa: PLC0415 - the same
 
-    with tempfile.TemporaryDirectory() as path, claimed(
-        Path(path) / "run", resume=False, force=False
-    ) as folder:
+    with (
+        tempfile.TemporaryDirectory() as path,
+        claimed(Path(path) / "run", resume=False, force=False) as folder,
+    ):
         writer = Writer()
         recorder = Recorder(folder, scene, simulation.polyhedra, simulation.placement, writer)
         with writer:
@@ -180,7 +182,7 @@ mu = 0.5
 def measured(source: str, cache: str) -> dict:
     """The rows of a start in a process of its own, kernels cached in a folder."""
     surroundings = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
-    surroundings["WARP_CACHE_PATH"] = cache
+    surroundings |= {"WARP_CACHE_PATH": cache, "WARPDEM_CACHE_PATH": cache}
     command = [sys.executable, str(Path(__file__)), "--start", "-", "--began", str(time.time())]
     done = subprocess.run(
         command, input=source, text=True, env=surroundings, stdout=subprocess.PIPE, check=True

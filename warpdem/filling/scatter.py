@@ -21,6 +21,7 @@ _APART = 1.0 + 1e-9  # balls that would just touch keep apart by rounding
 _TRIES_A_ROUND = 4
 _TRIES = 100  # random places a ball may try on the average
 _BATCH = 4000  # places tried at once at least
+_ROUNDS = 256  # looked at together at most
 
 
 class Balls:
@@ -192,7 +193,7 @@ def _scatter(
     while len(group) and budget > 0:
         share = max(1, min(_BATCH // len(group), budget // len(group), _TRIES_A_ROUND))
         tries = np.repeat(group, share)
-        rounds = max(1, min(rounds, _BATCH // len(tries), budget // len(tries)))
+        rounds = max(1, min(rounds, _ROUNDS, _BATCH // len(tries), budget // len(tries)))
         reach = radii[tries]
         inset = reach[:, None] * box[2]
         low, high = box[0] + inset, box[1] - inset

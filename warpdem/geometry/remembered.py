@@ -6,6 +6,7 @@ import hashlib
 import os
 import platform
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 from zipfile import BadZipFile
@@ -64,7 +65,7 @@ def _key(core: Core, radius: float) -> str:
 def _read(file: Path) -> MassProperties | None:
     """What a file says; None if it is not there, or not whole."""
     try:
-        with np.load(file) as kept:
+        with file.open("rb") as whole, np.load(whole) as kept:
             values, centre, inertia = kept["values"], kept["centre"], kept["inertia"]
     except (OSError, ValueError, KeyError, EOFError, BadZipFile):
         return None
@@ -80,4 +81,5 @@ def _write(file: Path, found: MassProperties) -> None:
         np.savez(part, values=values, centre=found.centre, inertia=found.inertia_over_mass)
         part.replace(file)
     except OSError:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink()
