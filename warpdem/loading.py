@@ -76,6 +76,7 @@ class Headers:
         of = native.stat()
         told = f"{native} {of.st_size} {of.st_mtime_ns} {platform.node()}"
         name = f"headers_{hashlib.sha256(told.encode()).hexdigest()[:16]}"
+        assert wp.config.kernel_cache_dir  # chosen by init at the latest
         self._kept = Path(wp.config.kernel_cache_dir) / name
 
     def lend(self) -> None:
