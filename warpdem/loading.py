@@ -72,6 +72,7 @@ class Headers:
 
     def __init__(self) -> None:
         wp.init()
+        assert wp.__file__
         native = Path(wp.__file__).parent / "native" / "builtin.h"
         of = native.stat()
         told = f"{native} {of.st_size} {of.st_mtime_ns} {platform.node()}"
