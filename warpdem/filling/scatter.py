@@ -200,6 +200,7 @@ def _scatter(
         drawn = draws.take(3 * rounds * len(tries))
         where = (low + drawn.reshape(rounds, -1, 3) * (high - low)).reshape(-1, 3)
         reach = np.tile(reach, rounds)
+        # one bound for all rounds, that the grids of the balls need not be made anew
         met = repeat.touched(lambda c, r: balls.touched(c, r, largest), where, reach)
         free = np.flatnonzero(~met)
         free = free[~repeat.touched(blocked, where[free], reach[free])]
@@ -209,14 +210,20 @@ def _scatter(
         budget -= whole * len(tries)
         rounds = whole if len(free) else 2 * rounds
         free = free[free < whole * len(tries)]
-        ball = tries[free % len(tries)]
-        _, first = np.unique(ball, return_index=True)
-        first = np.sort(first)
-        first = first[_undisputed(where[free[first]], reach[free[first]], repeat)]
-        free, chosen = free[first], ball[first]
+        free = _winners(free, tries[free % len(tries)], where, reach, repeat)
+        chosen = tries[free % len(tries)]
         centres[chosen], placed[chosen] = where[free], True
         balls.add(where[free], reach[free])
         group = group[~placed[group]]
+
+
+def _winners(
+    free: IntArray, ball: IntArray, where: FloatArray, reach: FloatArray, repeat: Repeat
+) -> IntArray:
+    """Those of a round's free places that are the first of their ball and meet none before them."""
+    _, first = np.unique(ball, return_index=True)
+    free = free[np.sort(first)]
+    return free[_undisputed(where[free], reach[free], repeat)]
 
 
 def _undisputed(centres: FloatArray, radii: FloatArray, repeat: Repeat) -> BoolArray:
