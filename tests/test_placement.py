@@ -108,6 +108,17 @@ def test_a_lattice_of_exactly_so_many_balls_holds_them():
     assert np.all(sites.max(axis=0) <= np.array([0.95, 0.65, 0.25]) + 1e-12)
 
 
+def test_rounds_tried_together_give_the_places_of_rounds_one_by_one(monkeypatch):
+    size = {"kind": "power", "min": 0.2, "max": 1.0, "exponent": -2.0}
+    crowd = fill(count=900, size=size, must_fit=False)
+    together, _ = placed([CUBE], fill=[crowd])
+    monkeypatch.setattr("warpdem.filling.scatter._ROUNDS", 1)
+    one_by_one, _ = placed([CUBE], fill=[crowd])
+
+    assert np.array_equal(together.position, one_by_one.position)
+    assert np.array_equal(together.orientation, one_by_one.orientation)
+
+
 def test_a_random_fill_overlaps_nothing_and_stays_inside():
     size = {"kind": "power", "min": 0.2, "max": 1.0, "exponent": -2.0}
     bodies, solids = placed([CUBE], fill=[fill(count=400, size=size)])

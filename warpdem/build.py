@@ -48,7 +48,7 @@ def build(
     """Model and state of a placed scene on a device."""
     shapes = list(polyhedra.values())
     geometry, trees = shape_arrays(shapes, np.unique(placement.shape), device)
-    bound = np.array([shapes[k].bound for k in placement.shape]) * placement.scale
+    bound = np.array([shape.bound for shape in shapes])[placement.shape] * placement.scale
     large = large_bodies(placement, shapes)
     surface = surface_bodies(placement, shapes)
     arms = _body_arrays(geometry, placement, shapes, bound, large, device)

@@ -265,7 +265,7 @@ def surface_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray
 
 def large_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
     """Which bodies are too large for the grid, or analytic surfaces, shape [body_count] bool."""
-    bound = np.array([shapes[k].bound for k in placement.shape]) * placement.scale
+    bound = np.array([shape.bound for shape in shapes])[placement.shape] * placement.scale
     free = ~placement.fixed
     surface = surface_bodies(placement, shapes)
     if not free.any():
