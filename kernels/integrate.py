@@ -115,7 +115,7 @@ def watching(*, paths: bool, surfaces: bool, turns: bool, deforming: bool) -> wp
         away = bodies.position[body] - bodies.listed_position[body]
         stretched = real(0.0)
         if wp.static(deforming):
-            # with F = H H_listed^-1 and u = x - F x_listed, d = u_i - u_j + F d_listed of all images
+            # F = H H_listed^-1 and u = x - F x_listed: d = u_i - u_j + F d_listed of all images
             listed = bodies.listed_position[body] - cell.centre[0]
             away = inside - cell.since[0] * listed
             stretched = cell.stretch[0] * (bound + reach)

@@ -33,7 +33,7 @@ from warpdem.kernels.views import (
 
 @functools.cache
 def single_dashpot(laws: Laws) -> wp.Function:
-    """Function of a single contact's dashpot: time tau [s] and implicit share beta, see forces.py."""
+    """Function of a single contact's dashpot: its time tau [s], its implicit share beta."""
 
     @inlined()
     def single_dashpot(inertia: Inertia, law: Material, i: int, j: int, dt: real):
