@@ -5,6 +5,7 @@ import pytest
 
 from warpdem.errors import SceneError
 from warpdem.filling.clearance import Elements, Obstacle, distances
+from warpdem.filling.curve import along_curve
 from warpdem.filling.placement import place
 from warpdem.filling.scatter import lattice
 from warpdem.filling.sizes import drawn
@@ -285,3 +286,18 @@ def test_principal_axes_are_the_nearest_ones():
 
     assert moments == pytest.approx([3.0, 1.0, 2.0])
     assert found == pytest.approx(axes)
+
+
+def test_neighbours_along_the_curve_are_neighbours_in_space():
+    places = np.random.default_rng(2).uniform(-3.0, 7.0, (4096, 3))
+    order = along_curve(places)
+    assert sorted(order) == list(range(4096))
+    step = np.linalg.norm(np.diff(places[order], axis=0), axis=1)
+    assert step.mean() < 0.2 * np.linalg.norm(np.diff(places, axis=0), axis=1).mean()
+
+
+def test_bodies_of_a_random_fill_are_numbered_along_the_curve():
+    placement, _ = placed([CUBE], fill=[fill(count=200)])
+    count = len(placement.position)
+    assert count > 100
+    assert list(along_curve(placement.position)) == list(range(count))
