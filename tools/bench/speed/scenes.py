@@ -100,18 +100,18 @@ def tower(count: int, columns: int, *, name: str = "cubes_to_rest") -> Problem:
     return Problem(name, solid, sites, turn, box(columns * pitch))
 
 
-def text(problem: Problem, *, duration: float = 100.0, extra: str = "") -> str:
-    """The scene file of a problem; ``extra`` is appended to it."""
+def text(problem: Problem, *, law: str = "", extra: str = "") -> str:
+    """The scene file of a problem; ``law`` is added to its contact laws, ``extra`` to its end."""
     grains = zip(problem.position.tolist(), problem.orientation.tolist(), strict=True)
     return "\n".join(
         [
             f'title = "{problem.name}"',
-            f"run = {{duration = {duration!r}, dt = {problem.dt!r}}}",
+            f"run = {{duration = 100.0, dt = {problem.dt!r}}}",
             f"gravity = {{vector = {list(problem.gravity)}}}",
-            "output = {energy = false}",
+            "[output]\nenergy = false",
             f'[[group]]\nname = "grain"\ndensity = {problem.density!r}',
             '[[group]]\nname = "wall"',
-            *(_contact(problem.law, other) for other in ("grain", "wall")),
+            *(contact(problem.law, other, law) for other in ("grain", "wall")),
             _shape(problem.solid),
             '[[shape]]\nname = "plane"\nkind = "plane"',
             *(_wall(wall) for wall in problem.walls),
@@ -121,10 +121,11 @@ def text(problem: Problem, *, duration: float = 100.0, extra: str = "") -> str:
     )
 
 
-def _contact(law: Law, other: str) -> str:
+def contact(law: Law, other: str, more: str = "") -> str:
+    """The law between the bodies and another group; ``more``: further lines of it."""
     return (
         f'[[contact]]\ngroups = ["grain", "{other}"]\nkn = {law.kn!r}\nkt = {law.kt!r}\n'
-        f"en2 = {law.en2!r}\nmu = {law.mu!r}"
+        f"en2 = {law.en2!r}\nmu = {law.mu!r}\n{more}"
     )
 
 

@@ -61,6 +61,7 @@ def described(simulation: Simulation) -> dict[str, float]:
         "contacts": len(now.contacts.gap),
         "candidates": report["candidates"],
         "threads": report["threads"],
+        "features": report["features"],
         "speed_rms": float(np.sqrt((now.velocity[free] ** 2).sum(axis=1).mean())),
         "height": float(now.position[free, 2].mean()),
     }
