@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -125,7 +125,7 @@ CASES = (
         partial(scenes.octahedra, 216, 6),
         settle=0,
         warm=4000,
-        steps=2000,
+        steps=1000,
         recorded=(
             Recorded("exaDEM", 1, 2.2e6, "its kernels alone, 1900 candidates, 240 contacts"),
         ),
@@ -135,6 +135,11 @@ CASES = (
         "no grid, no integration of its application; here everything is included.",
     ),
 )
+
+
+def with_peer(case: Case, peer: Peer) -> Case:
+    """The case beside one more program."""
+    return replace(case, peers=(*case.peers, peer))
 
 
 def case_named(name: str) -> Case:

@@ -50,10 +50,10 @@ TARGETS = {"YADE polyhedra": 30.0}
 DIFFERS = (
     "125 cubes of edge .1 m and density 2500, turned at random, fall for 2 s into a box of five "
     "planes; mu .5. warpdem: springs of 1e6 N/m, rounding .01, en2 .1. YADE: sharp cubes, forces "
-    "by overlap volume, numerical damping .3 as in its examples; a single run, its step chosen on "
-    "fewer cubes, for it is slow. MuJoCo: sharp, soft constraints of two steps, elliptic cones. "
-    "PyBullet: 50 iterations of impulses. The latter two do not resolve impacts in time: no elastic "
-    "waves, no chosen restitution."
+    "by overlap volume, numerical damping .3 as in its examples; its step is chosen on fewer "
+    "cubes, for it is slow. MuJoCo: sharp, soft constraints of two steps, elliptic cones. "
+    "PyBullet: 50 iterations of impulses. The latter two do not resolve impacts in time: no "
+    "elastic waves, no chosen restitution."
 )
 
 

@@ -131,13 +131,13 @@ def scaling(threads: Iterable[int] = (1, 2), *, most: int = 10**6) -> Table:
         if count <= most
         for number in threads
     ]
-    notes = (
-        "start: from the scene in memory to the clock, steps before it included; bytes/body: "
-        "growth of the process's peak memory from the read scene on, over the bodies: below 1e4 "
-        "that of the program itself",
+    note = (
+        "start: from the read scene to the clock, steps before it included; bytes/body: growth of "
+        "the process's peak memory from the read scene on, over the bodies; below 1e4 bodies that "
+        "of the program itself"
     )
     return Table(
-        "Scaling of warpdem", COLUMNS, tuple(rows), notes, ("bodies", "body-steps/s", "scene")
+        "Scaling of warpdem", COLUMNS, tuple(rows), (note,), ("bodies", "body-steps/s", "scene")
     )
 
 

@@ -87,7 +87,7 @@ def octahedra(count: int, columns: int, *, name: str = "octahedra") -> Problem:
     turn = np.random.default_rng(SEED).normal(size=(count, 4))
     turn /= np.linalg.norm(turn, axis=1, keepdims=True)
     law = Law(kn=1e7, kt=8e6)
-    return Problem(name, solid, sites, turn, floor(), law=law, density=1000.0)
+    return Problem(name, solid, sites, turn, floor(), law=law, dt=2e-4, density=1000.0)
 
 
 def tower(count: int, columns: int, *, name: str = "cubes_to_rest") -> Problem:

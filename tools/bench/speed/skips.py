@@ -107,9 +107,11 @@ def _barrier(name: str) -> Term:
     return Term(f"{name} barrier", unused=unused, use=f"{force}{name} = 50.0")
 
 
-CELL = (
-    "[cell]\nsize = [{0}, {0}, 100.0]\norigin = [{1}, {1}, -20.0]\nperiodic = [true, true, false]"
-)
+CELL = """[cell]
+size = [200.0, 200.0, 200.0]
+origin = [-100.0, -100.0, -100.0]
+periodic = [false, false, false]
+"""
 TERMS = (
     Term("friction", SMOOTH, idle_law=Law(), used_law=Law()),
     Term("friction, mu = 0 given", SMOOTH, idle_law=Law(mu=0.0), used=None),
@@ -121,10 +123,8 @@ TERMS = (
     force_term("drag", "coefficient = 0.01"),
     _barrier("velocity"),
     _barrier("spin"),
-    Term(
-        "numerical damping", used="", use='[[force]]\nkind = "numerical_damping"\ncoefficient = 0.1'
-    ),
-    Term("periodic cell", unused=CELL.format("200.0", "-100.0"), used=None),
+    Term("numerical damping", use='[[force]]\nkind = "numerical_damping"\ncoefficient = 0.1'),
+    Term("periodic cell", unused=CELL, used=None),
     Term("moving wall", idle_body=f"{IDLE_BODY}\nvelocity = [0.0, 0.0, 0.01]", used=None),
     Term("polyhedra", idle_shape=IDLE_BOX, used=None),
 )
@@ -143,11 +143,11 @@ def skips(folder: Folder, *, repeats: int = 3, names: Iterable[str] = ()) -> Tab
         for term in TERMS
         if not wanted or term.name in wanted
     ]
-    notes = (
-        "times of CPU per body and step, one thread, medians of alternating runs; the columns "
-        '"unused" and "in use" are relative to those without, paired',
+    note = (
+        "CPU time per body and step on one thread, medians of alternating runs; unused and in use: "
+        "relative to the scene without the term, paired"
     )
-    return Table("Terms that a scene has or lacks", COLUMNS, tuple(rows), notes)
+    return Table("Terms that a scene has or lacks", COLUMNS, tuple(rows), (note,))
 
 
 def row(problem: Problem, term: Term, steps: int, repeats: int) -> tuple[Cell, ...]:

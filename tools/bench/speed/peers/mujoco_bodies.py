@@ -24,7 +24,8 @@ def row(values):
 
 def plane(wall):
     """A fixed half-space."""
-    return f'<geom type="plane" size="0 0 1" pos="{row(wall["point"])}" zaxis="{row(wall["normal"])}"/>'
+    place, normal = row(wall["point"]), row(wall["normal"])
+    return f'<geom type="plane" size="0 0 1" pos="{place}" zaxis="{normal}"/>'
 
 
 def cube(place, turn):

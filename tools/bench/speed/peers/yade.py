@@ -1,4 +1,4 @@
-"""YADE (Debian): spheres by its viscoelastic law, or polyhedra by overlap volume; OpenMP threads."""
+"""YADE (Debian): spheres by its viscoelastic law, polyhedra by overlap volume; OpenMP threads."""
 
 from __future__ import annotations
 
