@@ -58,6 +58,7 @@ class Term:
         used: Lines of the laws when it is in use; None: it is not timed so.
         use: Sections of the scene when it is in use.
         used_law: Of all contacts when it is in use.
+        open_sides: The first wall alone is there, the floor.
     """
 
     name: str
@@ -70,10 +71,12 @@ class Term:
     used: str | None = ""
     use: str = ""
     used_law: Law | None = None
+    open_sides: bool = False
 
     def scenes(self, problem: Problem) -> dict[str, str]:
         """Texts without it, with it unused and with it in use."""
-        plain, used = replace(problem, law=self.law), self.used_law or self.law
+        walls = problem.walls[:1] if self.open_sides else problem.walls
+        plain = replace(problem, law=self.law, walls=walls)
         here = _idle(self.law)
         there = _idle(self.idle_law or self.law, self.idle, self.idle_shape, self.idle_body)
         found = {
@@ -81,7 +84,7 @@ class Term:
             "unused": scenes.text(plain, extra=f"{there}\n{self.unused}"),
         }
         if self.used is not None:
-            busy = replace(problem, law=used)
+            busy = replace(plain, law=self.used_law or self.law)
             found["used"] = scenes.text(busy, law=self.used, extra=f"{here}\n{self.use}")
         return found
 
@@ -108,9 +111,9 @@ def _barrier(name: str) -> Term:
 
 
 CELL = """[cell]
-size = [200.0, 200.0, 200.0]
-origin = [-100.0, -100.0, -100.0]
-periodic = [false, false, false]
+size = [200.0, 200.0, 100.0]
+origin = [-100.0, -100.0, -20.0]
+periodic = [true, true, false]
 """
 TERMS = (
     Term("friction", SMOOTH, idle_law=Law(), used_law=Law()),
@@ -124,7 +127,7 @@ TERMS = (
     _barrier("velocity"),
     _barrier("spin"),
     Term("numerical damping", use='[[force]]\nkind = "numerical_damping"\ncoefficient = 0.1'),
-    Term("periodic cell", unused=CELL, used=None),
+    Term("periodic cell", unused=CELL, used=None, open_sides=True),
     Term("moving wall", idle_body=f"{IDLE_BODY}\nvelocity = [0.0, 0.0, 0.01]", used=None),
     Term("polyhedra", idle_shape=IDLE_BOX, used=None),
 )
