@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from speed import compare, report, rest, scaling, scenes, skips
+import regress
+from speed import compare, counting, report, rest, scaling, scenes, skips
 from speed.cases import CASES, Case, Recorded, case_named
 from speed.peers import Peer, Run, Timing, liggghts, rockable
 from speed.peers.engines import engines
@@ -233,3 +234,45 @@ def test_a_plot_has_a_file(tmp_path):
     report.write_plot(Path(tmp_path / "p.png"), [table])
 
     assert (tmp_path / "p.png").stat().st_size > 1000
+
+
+def test_instructions_are_counted_per_body_and_step():
+    said = "version: 1\nsummary: 50000\n\ntotals: 50000\n"
+    found = {"bodies": 10, "steps": 100, "contacts": 3, "candidates": 5, "height": 1.0}
+
+    assert counting.per_body_step(said, found) == {
+        "instructions": 50.0,
+        "contacts": 3,
+        "candidates": 5,
+    }
+
+
+@pytest.mark.parametrize(
+    ("now", "word", "status"), [(102.0, "kept", 0), (104.0, "GREW", 1), (50.0, "kept", 0)]
+)
+def test_a_step_that_grew_by_more_than_the_tolerance_fails(now, word, status):
+    counts = {"contacts": 1, "candidates": 2}
+    row = counting.judged("c", {"instructions": now} | counts, {"instructions": 100.0} | counts)
+
+    assert row[-1] == word
+    assert regress.status([row[-1], "kept"]) == status
+
+
+def test_a_case_that_the_file_lacks_has_no_verdict(tmp_path):
+    counts = {"instructions": 1.0, "contacts": 1, "candidates": 2}
+    counting.write(tmp_path / "r.json", {"a": counts})
+    then = counting.read(tmp_path / "r.json")
+
+    assert then == {"a": counts}
+    assert regress.status([counting.judged("b", counts, then.get("b"))[-1]]) == 2
+
+
+def test_the_regression_file_has_every_small_case():
+    assert set(counting.read(regress.FILE)) == set(counting.SMALL)
+
+
+@pytest.mark.parametrize("name", counting.SMALL)
+def test_a_small_case_is_a_scene(name):
+    problem = counting.SMALL[name].make()
+
+    assert len(loads(scenes.text(problem)).body) == problem.count + len(problem.walls)
