@@ -2,7 +2,7 @@
 
     python tools/bench/regress.py [CASE ...] [--file FILE] [--write]
 
-Small cases run under valgrind's callgrind (apt-get install valgrind), which counts their steps alone:
+Small cases run under valgrind's callgrind (apt-get install valgrind), which counts the steps alone:
 counts do not depend on what else the machine does. Exit status 1 where one grew by more than 3 %, 2
 where there is no valgrind or nothing to compare with. --write keeps the counts, compares nothing.
 """
