@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 HEIGHT = 0.01
 """Largest difference of the mean heights of two piles that count as the same [m]; cubes are .1."""
-SPEED = 0.02
+SPEED = 0.01
 """Root mean square speed below which a pile is at rest [m/s]; it has fallen at some 3 m/s."""
 FINER = 8
 COLUMNS = (
@@ -127,9 +127,10 @@ def fallen(peer: Peer, columns: int, dt: float, duration: float) -> Timing | Non
 
 def to_rest(python: str, *, duration: float = 2.0, columns: int = 5) -> Table:
     """The table of all programs that can run; ``columns``^3 cubes fall."""
-    present, skipped = able([engine.peer for engine in every(python)])
+    all_of = every(python)
+    present, skipped = able([engine.peer for engine in all_of])
     rows, ours = [], None
-    for engine in every(python):
+    for engine in all_of:
         if engine.peer not in present:
             continue
         row, speed = _measured(engine, min(engine.columns, columns), columns, duration)
@@ -157,16 +158,28 @@ def _measured(
         return known[dt]
 
     dt = largest_step(pile, engine.coarsest)
-    if dt is None:
-        return [engine.peer.name, None, f"{few**3} cubes"], None
-    found = known[dt] if few == columns else fallen(engine.peer, columns, dt, duration)
-    finer = known[dt / FINER] if few == columns else None
-    if found is None:
-        return [engine.peer.name, dt, f"{few**3} cubes"], None
+    if few == columns or dt is None:
+        found, finer = (known[dt], known[dt / FINER]) if dt else (None, None)
+    else:
+        dt, found = _at_rest(engine.peer, columns, dt, duration)
+        finer = None
+    row = [engine.peer.name, dt, f"{few**3} cubes"]
+    if dt is None or found is None:
+        return row, None
     facts = found.facts
-    height = finer.facts["height"] if finer else None
-    row = [engine.peer.name, dt, f"{few**3} cubes", facts["height"], height]
-    return [*row, facts["speed_rms"], facts["contacts"]], simulated(found, dt)
+    row += [facts["height"], finer and finer.facts["height"], facts["speed_rms"], facts["contacts"]]
+    return row, simulated(found, dt)
+
+
+def _at_rest(
+    peer: Peer, columns: int, dt: float, duration: float
+) -> tuple[float | None, Timing | None]:
+    """The largest of dt, dt/2 and dt/4 [s] with which all cubes come to rest, and that run."""
+    for step in (dt, 0.5 * dt, 0.25 * dt):
+        found = fallen(peer, columns, step, duration)
+        if found is not None and found.facts["speed_rms"] <= SPEED:
+            return step, found
+    return None, None
 
 
 def simulated(timing: Timing, dt: float) -> float:
