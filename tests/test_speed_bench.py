@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import regress
+import run
 from speed import compare, counting, report, rest, scaling, scenes, skips
 from speed.cases import CASES, Case, Recorded, case_named
 from speed.peers import Peer, Run, Timing, liggghts, rockable
@@ -276,3 +277,13 @@ def test_a_small_case_is_a_scene(name):
     problem = counting.SMALL[name].make()
 
     assert len(loads(scenes.text(problem)).body) == problem.count + len(problem.walls)
+
+
+def test_rockable_runs_beside_the_cases_that_quote_it():
+    asked = SimpleNamespace(rockable=None, threads=[2])
+
+    beside = {name: run.chosen(name, asked).peers for name in ("spheres_rest", "octahedra")}
+
+    assert "Rockable" in {one.name for one in beside["spheres_rest"]}
+    assert "Rockable" not in {one.name for one in beside["octahedra"]}
+    assert run.chosen("octahedra", asked).threads == (2,)
