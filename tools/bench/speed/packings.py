@@ -81,7 +81,7 @@ def run(command: list[str], **more: Any) -> str:
         RuntimeError: It failed; with the end of what it said.
     """
     path = os.pathsep.join([str(ROOT), str(Path(__file__).parents[1])])
-    paths = {**os.environ, "PYTHONPATH": path, "WARP_QUIET": "1"}
+    paths = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": "0"}
     ran = subprocess.run(
         command, capture_output=True, text=True, check=False, **({"env": paths} | more)
     )
