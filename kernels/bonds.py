@@ -259,7 +259,7 @@ def bond_forces(laws: BondLaws) -> wp.Kernel:
         excess = real(0.0)
         mode = int(0)
         for bond in range(bonds.start[k], bonds.start[k + 1]):
-            hit = gap_of(geometry, bodies, i, j, d, FAR, bonds.code[bond])
+            hit = gap_of(geometry, bodies, i, j, d, FAR, True, bonds.code[bond])
             # edges that have become parallel have no closest points: no force while they are so
             if hit.gap < FAR:
                 share = apply(bodies, bonds, law, i, j, d, bond, hit, beta, dt)

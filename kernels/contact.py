@@ -249,7 +249,7 @@ def apply_laws(laws: Laws) -> wp.Function:
     The account holds the energy stored, and what dashpot, friction and rolling have lost since the
     last step but for the powers [W] that go with it: those act for the step.
     """
-    motion_at = kinematics(predicted=laws.predicted, deforming=laws.deforming)
+    motion_at = kinematics(predicted=laws.predicted, deforming=laws.deforming, central=laws.central)
     touch_at = touch_of(laws)
     share_at = shared(laws)
     normal_force = normal_part(laws)

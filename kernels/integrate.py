@@ -221,6 +221,7 @@ class Motion(NamedTuple):
     """What moving the bodies of a scene needs; every field that is False is compiled out."""
 
     predicted: bool  # velocities are predicted for the end of the step
+    ending_spins: bool  # and spins
     contacts: bool
     summed: bool  # the pair kernel sums the wrenches of the pairs a body owns
     paths: bool  # there are hot lists
@@ -444,6 +445,7 @@ def advance(
             bodies.spin[body] = spin
             if wp.static(motion.predicted):
                 bodies.velocity_end[body] = velocity + force * (half * inverse_mass)
+            if wp.static(motion.ending_spins):
                 bodies.spin_end[body] = spin + ahead
             watched = dt
             if wp.static(not motion.contacts):

@@ -30,8 +30,48 @@ class Flow:
 
 
 @functools.cache
-def kinematics(*, predicted: bool, deforming: bool) -> wp.Function:
-    """Function of the motion at a contact point; ``flow`` is that of the partner's image."""
+def kinematics(*, predicted: bool, deforming: bool, central: bool = False) -> wp.Function:
+    """Function of the motion at a contact point; ``flow`` is that of the partner's image.
+
+    ``central``: the normal goes through the centres of all bodies that turn, as between spheres;
+    then turning does not make them approach.
+    """
+
+    @inlined()
+    def between_centres(
+        bodies: Bodies,
+        flow: Flow,
+        i: int,
+        j: int,
+        d: vec3,
+        normal: vec3,
+        point: vec3,
+        dt: real,
+    ) -> Kinematics:
+        motion = Kinematics()
+        # distances of the contact from the centres
+        own = wp.dot(d - point, normal)
+        other = wp.dot(point, normal)
+        relative = bodies.velocity[j] - bodies.velocity[i]
+        end = relative
+        if wp.static(predicted):
+            end = bodies.velocity_end[j] - bodies.velocity_end[i]
+        if wp.static(deforming):
+            relative += flow.half
+            end += flow.end
+        motion.approach = wp.dot(relative, normal)
+        motion.approach_end = wp.dot(end, normal)
+        turning = wp.cross(bodies.spin[j] * other + bodies.spin[i] * own, normal)
+        motion.sliding = relative - normal * motion.approach + turning
+        motion.spin = bodies.spin[j] - bodies.spin[i]
+        motion.turn = real(0.5) * dt * wp.dot(bodies.spin[i] + bodies.spin[j], normal)
+        motion.sliding_end = motion.sliding
+        motion.spin_end = motion.spin
+        if wp.static(predicted):
+            turning = wp.cross(bodies.spin_end[j] * other + bodies.spin_end[i] * own, normal)
+            motion.sliding_end = end - normal * motion.approach_end + turning
+            motion.spin_end = bodies.spin_end[j] - bodies.spin_end[i]
+        return motion
 
     @inlined()
     def kinematics(
@@ -67,7 +107,7 @@ def kinematics(*, predicted: bool, deforming: bool) -> wp.Function:
             motion.spin_end = bodies.spin_end[j] - bodies.spin_end[i]
         return motion
 
-    return kinematics
+    return between_centres if central else kinematics
 
 
 @inlined()

@@ -18,6 +18,7 @@ class Laws(NamedTuple):
     two_sided: bool  # some open surface acts on both sides
     cones: bool  # some shape restricts the directions of its edges and vertices
     surfaces: bool  # some fixed body is an analytic surface
+    central: bool  # normals go through the centres of all bodies that turn
     hooke: bool  # some pair of groups has spring and dashpot
     avalanche: bool  # some has the law of rock avalanches
     custom: tuple[wp.Function, ...]  # normal forces of the user's own

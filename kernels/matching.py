@@ -62,7 +62,7 @@ def hand_over(gap_of: wp.Function, laws: Laws) -> wp.Function:
                 c = place(candidates.hot[k])
             past = candidates.past[c]
             if past[3] <= real(-2.0):
-                hit = gap_of(geometry, bodies, i, j, d, real(0.0), candidates.code[c])
+                hit = gap_of(geometry, bodies, i, j, d, real(0.0), True, candidates.code[c])
                 heir = successor(candidates, start, touching, hit.point, reach)
                 if heir >= 0:
                     own = candidates.past[heir]

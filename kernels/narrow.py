@@ -70,13 +70,22 @@ def between(p: vec3, q: vec3, radius_i: real, radius_j: real, margin: real, outs
 
 @wp.func
 def vertex_edge(
-    p: vec3, a: vec3, b: vec3, sign: real, radius_v: real, radius_e: real, margin: real
+    p: vec3,
+    a: vec3,
+    b: vec3,
+    sign: real,
+    radius_v: real,
+    radius_e: real,
+    margin: real,
+    touched: bool,
 ) -> Hit:
     """Vertex p of the owner (sign 1) or of the partner (-1) against the edge a b of the other."""
     e = b - a
     square = wp.dot(e, e)
     r = wp.dot(p - a, e)
     outside = wp.where(r > real(0.0) and r < square, real(0.0), real(1.0))
+    if outside > real(0.0) and not touched:
+        return apart()
     foot = a + e * (wp.clamp(r, real(0.0), square) / square)
     if sign > real(0.0):
         return between(p, foot, radius_v, radius_e, margin, outside)
@@ -85,7 +94,14 @@ def vertex_edge(
 
 @wp.func
 def edge_edge(
-    p: vec3, p1: vec3, q: vec3, q1: vec3, radius_i: real, radius_j: real, margin: real
+    p: vec3,
+    p1: vec3,
+    q: vec3,
+    q1: vec3,
+    radius_i: real,
+    radius_j: real,
+    margin: real,
+    touched: bool,
 ) -> Hit:
     """Two edges, both closest points strictly inside; parallel edges are left to their vertices."""
     u = p1 - p
@@ -99,12 +115,14 @@ def edge_edge(
     area = uu * vv - uv * uv
     if area <= PARALLEL * uu * vv:
         return apart()
-    s = (uv * vw - vv * uw) / area
-    t = (uu * vw - uv * uw) / area
-    inside = s > real(0.0) and s < real(1.0) and t > real(0.0) and t < real(1.0)
+    s = uv * vw - vv * uw
+    t = uu * vw - uv * uw
+    inside = s > real(0.0) and s < area and t > real(0.0) and t < area
+    if not inside and not touched:
+        return apart()
     outside = wp.where(inside, real(0.0), real(1.0))
-    s = wp.clamp(s, real(0.0), real(1.0))
-    t = wp.clamp(t, real(0.0), real(1.0))
+    s = wp.clamp(s / area, real(0.0), real(1.0))
+    t = wp.clamp(t / area, real(0.0), real(1.0))
     return between(p + u * s, q + v * t, radius_i, radius_j, margin, outside)
 
 
@@ -163,6 +181,7 @@ def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
         p: vec3,
         radius_v: real,
         margin: real,
+        touched: bool,
     ) -> Hit:
         """Vertex p, about the centre of the face's body; the normal points from the face to it."""
         shape = geometry.shape[body]
@@ -189,6 +208,8 @@ def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
                     inside = inside_convex(geometry, index, x, height)
                 else:
                     inside = inside_polygon(geometry, shape, index, x)
+        if not inside and not touched:
+            return apart()
         hit = Hit()
         hit.gap = gap
         hit.outside = wp.where(inside, real(0.0), real(1.0))
@@ -225,12 +246,22 @@ def vertex_surface(height: real, normal: vec3, p: vec3, radius_v: real) -> Hit:
 def feature_pair(
     *, polyhedra: bool, convex: bool, two_sided: bool, cones: bool, surfaces: bool
 ) -> wp.Function:
-    """Function of any feature pair; without ``polyhedra`` only vertices (spheres) are compiled."""
+    """Function of any feature pair; without ``polyhedra`` only vertices (spheres) are compiled.
+
+    What lies outside its feature is told from what is far only where it ``touched`` before.
+    """
     face = vertex_face(convex=convex, two_sided=two_sided)
 
     @inlined()
     def bare(
-        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
+        geometry: Geometry,
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: vec3,
+        margin: real,
+        touched: bool,
+        code: wp.int64,
     ) -> Hit:
         kind = kind_of(code)
         a = feature_of_owner(code)
@@ -250,13 +281,14 @@ def feature_pair(
                 radius_i,
                 radius_j,
                 margin,
+                touched,
             )
         if kind == VF:
             p = d + bodies.arm[arm_i + a]
-            return face(geometry, bodies.rotation[j], j, b, p, radius_i, margin)
+            return face(geometry, bodies.rotation[j], j, b, p, radius_i, margin, touched)
         if kind == FV:
             p = bodies.arm[arm_j + b] - d
-            hit = face(geometry, bodies.rotation[i], i, a, p, radius_j, margin)
+            hit = face(geometry, bodies.rotation[i], i, a, p, radius_j, margin, touched)
             hit.normal = -hit.normal
             hit.point = hit.point + d
             return hit
@@ -270,6 +302,7 @@ def feature_pair(
                 radius_i,
                 radius_j,
                 margin,
+                touched,
             )
         if kind == EV:
             ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
@@ -281,6 +314,7 @@ def feature_pair(
                 radius_j,
                 radius_i,
                 margin,
+                touched,
             )
         p = d + bodies.arm[arm_i + a]
         return between(p, bodies.arm[arm_j + b], radius_i, radius_j, margin, real(0.0))
@@ -304,9 +338,16 @@ def feature_pair(
 
     @inlined()
     def coned(
-        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
+        geometry: Geometry,
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: vec3,
+        margin: real,
+        touched: bool,
+        code: wp.int64,
     ) -> Hit:
-        hit = bare(geometry, bodies, i, j, d, margin, code)
+        hit = bare(geometry, bodies, i, j, d, margin, touched, code)
         if hit.outside == real(0.0) and hit.gap < real(0.0):
             if not in_cones(geometry, bodies, i, j, hit.normal, code):
                 hit.outside = real(1.0)
@@ -314,7 +355,14 @@ def feature_pair(
 
     @inlined()
     def spherical(
-        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
+        geometry: Geometry,
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: vec3,
+        margin: real,
+        touched: bool,
+        code: wp.int64,
     ) -> Hit:
         return between(d, vec3(), geometry.radius[i], geometry.radius[j], margin, real(0.0))
 
@@ -323,10 +371,17 @@ def feature_pair(
 
     @inlined()
     def with_surfaces(
-        geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, margin: real, code: wp.int64
+        geometry: Geometry,
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: vec3,
+        margin: real,
+        touched: bool,
+        code: wp.int64,
     ) -> Hit:
         if kind_of(code) != VS:
-            return pair_of(geometry, bodies, i, j, d, margin, code)
+            return pair_of(geometry, bodies, i, j, d, margin, touched, code)
         p = d
         if wp.static(polyhedra):
             p = d + bodies.arm[geometry.arm_start[i] + feature_of_owner(code)]

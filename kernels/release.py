@@ -92,7 +92,7 @@ def pack(laws: Laws) -> wp.Function:
         d = bodies.position[i] - bodies.position[j]
         slot = int(start)
         for c in range(start, end):
-            hit = gap_of(geometry, bodies, i, j, d, reach, candidates.code[c])
+            hit = gap_of(geometry, bodies, i, j, d, reach, False, candidates.code[c])
             if hit.gap < reach and hit.outside == real(0.0):
                 motion = motion_at(bodies, Flow(), i, j, d, hit.normal, hit.point, dt)
                 gap = hit.gap + real(0.5) * dt * motion.approach

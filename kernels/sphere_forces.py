@@ -182,7 +182,7 @@ def locate_contacts(laws: Laws) -> wp.Kernel:
             d = bodies.position[i] - bodies.position[j]
             if wp.static(laws.periodic):
                 d -= cell.edges[0] * real_vector(pairs.image[pair])
-            hit = gap_of(geometry, bodies, i, j, d, FAR, candidates.code[pair])
+            hit = gap_of(geometry, bodies, i, j, d, FAR, True, candidates.code[pair])
             candidates.normal[pair] = hit.normal
             candidates.point[pair] = hit.point
             candidates.gap[pair] = hit.gap

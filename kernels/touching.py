@@ -45,8 +45,9 @@ def find_touching(laws: Laws) -> wp.Function:
             c = k
             if wp.static(laws.polyhedra):
                 c = place(candidates.hot[k])
-            hit = gap_of(geometry, bodies, i, j, d, margin, candidates.code[c])
             past = candidates.past[c]
+            touched = past[3] != real(-1.0)
+            hit = gap_of(geometry, bodies, i, j, d, margin, touched, candidates.code[c])
             near = hit.gap < reach
             if wp.static(laws.sticky):
                 # what pulled until within this step still has to be paid for it
@@ -112,7 +113,7 @@ def find_single(laws: Laws) -> wp.Function:
             reach = law.dncut
         freed = real(0.0)
         unrolled = real(0.0)
-        hit = gap_of(geometry, bodies, i, j, d, margin, candidates.code[c])
+        hit = gap_of(geometry, bodies, i, j, d, margin, True, candidates.code[c])
         near = hit.gap < reach
         if not near:
             past = candidates.past[c]

@@ -102,6 +102,18 @@ class Features:
         return self.contacts and not self.polyhedra and not self.controlled
 
     @property
+    def central(self) -> bool:
+        """Normals go through the centres of all bodies that turn."""
+        return self.single and not self.driven
+
+    @property
+    def ending_spins(self) -> bool:
+        """Spins are predicted for the end of a step: between spheres few laws ask for them."""
+        on_bodies = self.numerical_damping or self.velocity_barrier or self.spin_barrier
+        asked = self.account or self.turns or bool(self.custom) or on_bodies
+        return self.predicted and (asked or not self.central)
+
+    @property
     def acted(self) -> bool:
         """Account is kept of forces on single bodies."""
         barriers = self.velocity_barrier or self.spin_barrier

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 GROWTH = 1.3
 # each body may go as far as it would in so many steps before the lists are renewed, within these
 # parts of half the first skin: by measurement, tools/design/0007
-AHEAD = 60
+AHEAD = 120
 REACH_LEAST, REACH_MOST = 0.3, 6.0
 
 
