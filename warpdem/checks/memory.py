@@ -21,14 +21,15 @@ if TYPE_CHECKING:
     from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.input.scene import Scene
 
-PAIRS = 6
-"""Pairs of each free body in a dense packing, by measurement."""
+PAIRS, CANDIDATES = 5, 12
+"""Most pairs of each free body, and candidates of each of its vertices, while a heap of it settles.
 
-CANDIDATES = 11
-"""Candidates of each vertex of a free body in a dense packing, by measurement."""
+By measurement: balls 4.7; cubes 3.9, 12; octahedra 5.6, 18; mixed blocks in a hopper 8, 50; with
+slow bodies half as many.
+"""
 
-ROWS = 0.7
-"""Rows of near features of each candidate, by measurement."""
+ROWS_OF_PAIRS = 3
+"""Rows of near features of each pair, besides one of each candidate, by measurement."""
 
 LISTED = ("pair", "candidate", "row")
 
@@ -40,8 +41,8 @@ class Memory:
     Attributes:
         sizes: Bytes of a body, a pair and so on.
         copied: Those that are there twice while lists are renewed.
-        counts: How many there are; of pairs and candidates, how many are expected in a dense
-            packing. The lists have head room beyond them.
+        counts: How many there are; of pairs and candidates, how many are expected in a heap
+            that settles. The lists have head room beyond them.
         total: Bytes of all.
     """
 
@@ -79,7 +80,7 @@ def expected_counts(
     has: Features,
     interfaces: Interfaces | None,
 ) -> dict[str, int]:
-    """How many bodies, pairs and so on a scene has; a dense packing's pairs and candidates."""
+    """How many bodies, pairs and so on a scene has; pairs and candidates of a heap."""
     vertices = np.array([len(shape.vertices) for shape in polyhedra.values()], dtype=int)
     own = vertices[placement.shape]
     free = own[~placement.fixed]
@@ -92,7 +93,7 @@ def expected_counts(
         "vertex": int(own.sum()),
         "pair": pairs,
         "candidate": candidates,
-        "row": int(ROWS * candidates) if has.polyhedra else 0,
+        "row": candidates + ROWS_OF_PAIRS * pairs if has.polyhedra else 0,
         "interface": len(interfaces) if interfaces else 0,
         "bond": len(interfaces.sites) if interfaces else 0,
         "law": len(placement.groups) ** 2,

@@ -124,8 +124,8 @@ def _memory_lines(memory: Memory) -> Iterator[str]:
     yield f"memory  about {size_text(memory.total)}: {memory}"
     if pairs := memory.counts["pair"]:
         yield (
-            f"        {pairs} pairs and {memory.counts['candidate']} candidates expected, those of "
-            f"a dense packing, with head room"
+            f"        {pairs} pairs and {memory.counts['candidate']} candidates expected, as of "
+            f"a heap that settles, with head room"
         )
         yield f"        {size_text(memory.renewing)} more while lists are renewed"
 
