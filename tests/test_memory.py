@@ -44,7 +44,7 @@ def bonded():
     strong = {"kn": 1e5, "kt": 1e5, "ft0": 1e3, "fn0": 1e3, "damping_ratio": 0.1}
     bond = {"between": "inner", "rule": "faces", "tolerance": 1e-3, "angle": 1e-3, **strong}
     blocks = [
-        {"shape": "block", "cluster": "rock", "position": [0.1 * i, 0.08 * j, 0.06 * k]}
+        {"shape": "block", "cluster": 0, "position": [0.1 * i, 0.08 * j, 0.06 * k]}
         for i in range(4)
         for j in range(4)
         for k in range(4)

@@ -6,7 +6,7 @@ The allocation goes by this table (see warpdem.allocation), and so does the figu
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -90,7 +90,7 @@ def _each(
     kind: str,
     names: str,
     when: str = "",
-    **more: int,
+    **more: Any,
 ) -> Iterator[Array]:
     return (Array(view, per, kind, name, when, **more) for name in names.split())
 
