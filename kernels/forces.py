@@ -15,7 +15,7 @@ from warpdem.kernels.laws import Laws
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import total_of
 from warpdem.kernels.touching import find_touching, frequency
-from warpdem.kernels.variant import inlined, variant
+from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import (
     Account,
     Bodies,
@@ -128,7 +128,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         # out
         energy: Account,
     ):
-        pair = wp.tid() + span[0]
+        pair = place(wp.tid() + span[0])
         if pair >= span[1] or clock.halted[0] != 0:
             return
         start = pairs.start[pair]
@@ -139,8 +139,8 @@ def pair_forces(laws: Laws) -> wp.Kernel:
             end = pairs.start[pair + 1]
         if start == end:
             return
-        i = pairs.owner[pair]
-        j = pairs.partner[pair]
+        i = place(pairs.owner[pair])
+        j = place(pairs.partner[pair])
         d = bodies.position[i] - bodies.position[j]
         flow = Flow()
         if wp.static(laws.periodic):
@@ -166,7 +166,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
                 # fmt: off
                 f, t, a, p = apply(
                     geometry, inertia, bodies, candidates, law, flow, i, j, d,
-                    candidates.which[slot], candidates.normal[slot], candidates.point[slot],
+                    place(candidates.which[slot]), candidates.normal[slot], candidates.point[slot],
                     -candidates.gap[slot], total, tau, beta, dt,
                 )
                 # fmt: on

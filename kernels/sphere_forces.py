@@ -16,7 +16,7 @@ from warpdem.kernels.laws import Laws
 from warpdem.kernels.narrow import FAR
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.touching import find_single, gaps
-from warpdem.kernels.variant import inlined, variant
+from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import (
     Account,
     Bodies,
@@ -33,7 +33,7 @@ from warpdem.kernels.views import (
 
 @functools.cache
 def single_dashpot(laws: Laws) -> wp.Function:
-    """Function of a single contact's dashpot: time tau [s] and implicit share beta, see forces.py."""
+    """Function of a single contact's dashpot: its time tau [s], its implicit share beta."""
 
     @inlined()
     def single_dashpot(inertia: Inertia, law: Material, i: int, j: int, dt: real):
@@ -71,7 +71,8 @@ def one_pair(laws: Laws) -> wp.Function:
         pair: int,
     ):
         """Force [N] and torque [N m] on the owner, about its centre."""
-        j = pairs.partner[pair]
+        pair = place(pair)
+        j = place(pairs.partner[pair])
         d = bodies.position[i] - bodies.position[j]
         flow = Flow()
         if wp.static(laws.periodic):
@@ -137,7 +138,7 @@ def sphere_forces(laws: Laws) -> wp.Kernel:
         incidence: Incidence,
         energy: Account,
     ):
-        body = wp.tid() + span[0]
+        body = place(wp.tid() + span[0])
         if body >= span[1] or clock.halted[0] != 0:
             return
         force = vec3()

@@ -21,6 +21,7 @@ DEVICE_SIDE = {
     "drives",
     "images",
     "lists",
+    "loading",
     "materials",
     "model",
     "observe",
