@@ -34,39 +34,44 @@ class ProfilingStepper(Stepper):
         """Run ``count`` cycles, or fewer where the clock halts: then False."""
         halted = self._shares[0].clock.halted
         while count > 0 and not halted.numpy()[0]:
-            # threads meet: none may stop before the others
-            batch = 1 if self._pool is None else min(count, BATCH)
-            self._note(self._run_batch(batch), batch)
+            batch = min(count, BATCH)
+            graphs = self._graphs_of(1)
+            if self._pool is None:
+                runs = [self._run(graphs[0], batch)]
+            else:
+                runs = list(self._pool.map(self._run, graphs, [batch] * len(graphs)))
+            self._note(runs)
             count -= batch
         return not halted.numpy()[0]
 
-    def _run_batch(self, batch: int) -> list[list[float]]:
-        graphs = self._graphs_of(1)
-        if self._pool is None:
-            return [self._run(graphs[0], batch)]
-        return list(self._pool.map(self._run, graphs, [batch] * len(graphs)))
-
-    def _run(self, graphs: Sequence[Any], batch: int) -> list[float]:
-        """Seconds of each stage in so many cycles."""
+    def _run(self, graphs: Sequence[Any], batch: int) -> tuple[int, list[float]]:
+        """Cycles done, and seconds of each stage in them."""
         spent = [0.0] * len(graphs)
-        before = time.perf_counter()
-        for _ in range(batch):
+        halted = self._shares[0].clock.halted
+        # threads meet in each cycle: none may stop before the others
+        alone = self._pool is None
+        for done in range(batch):
+            if alone and halted.numpy()[0]:
+                return done, spent
+            before = time.perf_counter()
             for stage, graph in enumerate(graphs):
                 wp.capture_launch(graph)
                 self._profile.settle()
                 now = time.perf_counter()
                 spent[stage] += now - before
                 before = now
-        return spent
+        return batch, spent
 
-    def _note(self, spent: list[list[float]], batch: int) -> None:
+    def _note(self, runs: Sequence[tuple[int, list[float]]]) -> None:
         members = len(self._shares)
-        for member, (stages, times) in enumerate(zip(self._stages, spent, strict=True)):
-            for stage, seconds in zip(stages, times, strict=True):
-                self._profile.add(stage.name, seconds / members, 0 if member else batch)
+        for member, (stages, (done, spent)) in enumerate(zip(self._stages, runs, strict=True)):
+            for stage, seconds in zip(stages, spent, strict=True):
+                self._profile.add(stage.name, seconds / members, 0 if member else done)
 
     def _record(self, stages: Sequence[Stage], batch: int) -> list[Any]:
-        return [super(ProfilingStepper, self)._record([stage], batch) for stage in stages]
+        record = super()._record
+        with self._profile.span("recording"):
+            return [record([stage], batch) for stage in stages]
 
 
 class ProfiledSimulation(Simulation):

@@ -9,7 +9,7 @@ import numpy as np
 
 from warpdem.driving.plan import block_steps, plan_of
 from warpdem.errors import SceneError
-from warpdem.features import has_tree
+from warpdem.features import tree_shapes
 from warpdem.memory import bytes_of, bytes_of_search, bytes_per, copied_per, grown
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def expected_counts(
         "bond": len(interfaces.sites) if interfaces else 0,
         "law": len(placement.groups) ** 2,
         **_motion_counts(scene, placement, polyhedra),
-        **_shape_counts(list(polyhedra.values())),
+        **_shape_counts(placement, list(polyhedra.values())),
     }
 
 
@@ -113,10 +113,10 @@ def _motion_counts(
     return {"driven body": driven, "row of motion": driven * block_steps(driven)}
 
 
-def _shape_counts(shapes: list[Polyhedron]) -> dict[str, int]:
+def _shape_counts(placement: Placement, shapes: list[Polyhedron]) -> dict[str, int]:
     vertices = sum(len(shape.vertices) for shape in shapes)
     edges = sum(len(shape.edges) for shape in shapes)
-    trees = [shape for shape in shapes if has_tree(shape)]
+    trees = [shapes[k] for k in np.flatnonzero(tree_shapes(placement, shapes))]
     return {
         "shape": len(shapes),
         "vertex of a shape": vertices,

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 BESIDE = "writing (beside)"
 """What other threads than the first one do while it goes on."""
 
+SHOWN = 5e-4
+"""Seconds below which a table leaves a thing out."""
+
 OPTIONAL = {
     "contacts": "contacts",
     "damped": "dashpots",
@@ -73,7 +76,7 @@ class Profile:
         self._first = threading.get_ident()
         self._local = threading.local()
         self._samples: list[dict[str, int]] = []
-        self._lap: tuple[str, float] | None = None
+        self._lap: tuple[str, AbstractContextManager[None]] = ("", nullcontext())
 
     @contextmanager
     def span(self, name: str) -> Iterator[None]:
@@ -100,13 +103,11 @@ class Profile:
 
     def lap(self, text: str) -> None:
         """Time until the next lap, under the words of ``text`` before any number; "" ends it."""
-        name = text.split(" ")[0] if "/" in text else text
-        now = time.perf_counter()
-        if self._lap and self._lap[0] != name:
-            self.add(self._lap[0], now - self._lap[1], 1)
-            self._lap = None
-        if name and not self._lap:
-            self._lap = (name, now)
+        name = text.partition(" ")[0] if "/" in text else text
+        if name != self._lap[0]:
+            self._lap[1].__exit__(None, None, None)
+            self._lap = (name, self.span(name) if name else nullcontext())
+            self._lap[1].__enter__()
 
     def sample(self, counts: dict[str, int]) -> None:
         """Take note of how many pairs, candidates and so on there are now."""
@@ -123,7 +124,7 @@ class Profile:
                 "calls": span.calls,
                 "ns_a_body_step": 1e9 * span.seconds / max(body_steps, 1),
             }
-            for path, span in self._in_order()
+            for path, span in self._in_order(whole)
         ]
         return {
             "seconds": whole,
@@ -150,22 +151,22 @@ class Profile:
 
         return timed
 
-    def _in_order(self) -> Iterator[tuple[tuple[str, ...], Span]]:
+    def _in_order(self, whole: float) -> Iterator[tuple[tuple[str, ...], Span]]:
         """Each thing before its parts, and what of it the parts leave."""
-        yield from self._parts(())
-        beside = Span(sum(span.seconds for path, span in self.spans.items() if path[:-1] == (BESIDE,)))
-        if beside.seconds:
-            yield (BESIDE,), beside
-            yield from self._parts((BESIDE,))
+        yield from self._parts((), whole)
+        beside = sum(s.seconds for path, s in self.spans.items() if path[:-1] == (BESIDE,))
+        if beside:
+            yield (BESIDE,), Span(beside, 0)
+            yield from self._parts((BESIDE,), beside)
 
-    def _parts(self, of: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Span]]:
+    def _parts(self, of: tuple[str, ...], whole: float) -> Iterator[tuple[tuple[str, ...], Span]]:
         parts = {p: s for p, s in self.spans.items() if p[:-1] == of and p != (BESIDE,)}
         for path, span in parts.items():
             yield path, span
-            yield from self._parts(path)
-        if of in self.spans and parts:
-            rest = self.spans[of].seconds - sum(span.seconds for span in parts.values())
-            yield (*of, "other"), Span(max(rest, 0.0), self.spans[of].calls)
+            yield from self._parts(path, span.seconds)
+        rest = whole - sum(span.seconds for span in parts.values())
+        if parts:
+            yield (*of, "other"), Span(rest, 0)
 
     def _mean_counts(self) -> dict[str, float]:
         count = max(len(self._samples), 1)
@@ -188,11 +189,13 @@ def profile_text(facts: Mapping[str, Any]) -> str:
     head = f"{'':32}{'seconds':>10}{'share':>8}{'calls':>10}{'ns a body-step':>16}"
     lines = [f"profile of {facts['seconds']:.3g} s", head]
     for row in facts["stages"]:
+        if row["seconds"] < SHOWN:
+            continue
         *above, name = row["stage"].split("/")
         each = "" if (above or [name])[0] == "start-up" else f"{row['ns_a_body_step']:.3g}"
         lines.append(
             f"{'  ' * len(above) + name:32}{row['seconds']:10.3f}{row['share']:8.1%}"
-            f"{row['calls']:10}{each:>16}"
+            f"{row['calls'] or '':10}{each:>16}".rstrip()
         )
     counts = ", ".join(f"{value:.6g} {name}" for name, value in facts["counts"].items())
     lines += [f"a step: {counts}"] if counts else []
