@@ -30,6 +30,7 @@ DEVICE_SIDE = {
     "periodic",
     "profiled",
     "resume",
+    "search",
     "simulation",
     "stages",
     "state",
