@@ -80,7 +80,7 @@ class Stepper:
         halted = self._shares[0].clock.halted
         while count > 0 and not halted.numpy()[0]:
             batch = BATCH if count >= BATCH else 1
-            # on the CPU a launch takes 1 ms to record, and a graph 1 us to launch
+            # on the CPU a launch takes 1 to 3 ms to record, and a graph 1 us more to launch
             recorded = 1 if self._model.device.is_cpu else batch
             graphs = self._graphs_of(recorded)
             if self._pool is None:
