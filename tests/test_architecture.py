@@ -11,6 +11,7 @@ ROOT = Path(__file__).resolve().parents[1]
 HOST = sorted((ROOT / "warpdem").rglob("*.py"))
 # what may import warp on the host: the modules that build, launch and read the device's arrays
 DEVICE_SIDE = {
+    "allocation",
     "bonding",
     "build",
     "compile",
@@ -27,7 +28,9 @@ DEVICE_SIDE = {
     "observe",
     "observe_bonds",
     "periodic",
+    "profiled",
     "resume",
+    "search",
     "simulation",
     "stages",
     "state",

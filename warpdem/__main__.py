@@ -71,10 +71,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: list[str]) -> int:
     from warpdem.input import decode  # noqa: PLC0415 - `schema` need not wait for it
     from warpdem.running import runner  # noqa: PLC0415 - the same
+    from warpdem.running.profile import Profile, span_of  # noqa: PLC0415 - the same
 
     _refuse_unknown_command(arguments)
     options = _run_parser().parse_args(arguments)
-    scene = decode.load(options.scene, options.set)
+    profile = Profile() if options.profile else None
+    with span_of(profile, "start-up"), span_of(profile, "scene"):
+        scene = decode.load(options.scene, options.set)
     return runner.run(
         scene,
         options.out or Path("runs") / options.scene.stem,
@@ -84,6 +87,7 @@ def _run(arguments: list[str]) -> int:
         force=options.force,
         quiet=options.quiet,
         share=_share(options),
+        profile=profile,
     )
 
 
@@ -164,6 +168,7 @@ def _run_parser() -> argparse.ArgumentParser:
     )
     of_ensembles("--workers", choices=["dask"], help="fly on worker processes, --threads of them")
     of_ensembles("--scheduler", metavar="ADDRESS", help="of a running Dask; default: this machine")
+    add("--profile", action="store_true", help="time each stage of the steps, and tell at the end")
     add("--quiet", action="store_true", help="say nothing but errors")
     add("--version", action="version", version=f"warpdem {__version__}")
     return parser

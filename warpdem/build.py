@@ -19,7 +19,7 @@ from warpdem.kernels.views import Geometry, Inertia
 from warpdem.materials import materials
 from warpdem.model import Model, on
 from warpdem.periodic import cell_of
-from warpdem.state import State, allocate
+from warpdem.state import State, allocate_state
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -79,16 +79,7 @@ def build(
         gauges=gauges(device, plan),
     )
     cell = cell_of(scene, placement, polyhedra, features, device)
-    work = features.work or features.acted
-    state = allocate(
-        device,
-        len(mass),
-        arms,
-        cell,
-        work=work,
-        braking=features.braking,
-        paths=features.hot_lists,
-    )
+    state = allocate_state(device, features, len(mass), arms, cell)
     drives = allocate_drives(device, plan, features, state.clock)
     state = replace(state, drives=drives)
     _start(state, placement, mass, moment)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
+from warpdem.driving.plan import block_steps
 from warpdem.kernels.precision import mat33, quat, real, vec3
 from warpdem.kernels.views import Drives, Gauge
 
@@ -16,22 +17,14 @@ if TYPE_CHECKING:
     from warpdem.features import Features
     from warpdem.kernels.views import Clock
 
-# rows (of a step and a driven body) in a block, but for these limits to its number of steps
-BLOCK_ROWS, FEWEST_STEPS, MOST_STEPS = 1 << 16, 64, 1024
 MOTION = ("position", "velocity", "spin", "velocity_end", "spin_end")
 LOADS = ("force", "moment", "pressure", "loose", "loose_spin")
-
-
-def block_steps(plan: Plan) -> int:
-    """Steps in a block: of the scene alone, so that a resumed run cuts its steps alike."""
-    fitting = BLOCK_ROWS // max(len(plan.bodies), 1)
-    return int(np.clip(fitting, FEWEST_STEPS, MOST_STEPS))
 
 
 def allocate_drives(device: Any, plan: Plan, features: Features, clock: Clock) -> Drives:
     """Room for the rows of a block, and the walls' own numbers; what is not needed has length 1."""
     count = len(plan.bodies)
-    rows = count * block_steps(plan) if features.driven else 1
+    rows = count * block_steps(count) if features.driven else 1
     loads = rows if features.controlled else 1
     own = count if features.controlled else 1
 
@@ -81,7 +74,7 @@ class Blocks:
         self._plan = plan
         self._features = features
         self._drives = drives
-        self._steps = block_steps(plan)
+        self._steps = block_steps(len(plan.bodies))
         self._base = -1
 
     def at_rest(self) -> None:

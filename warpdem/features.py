@@ -114,6 +114,16 @@ class Features:
         return self.predicted and (asked or not self.central)
 
     @property
+    def shares(self) -> bool:
+        """Contacts remember their share of a pair's stiffness."""
+        return self.partnership != "sum"
+
+    @property
+    def works(self) -> bool:
+        """Account is kept of what drivers or forces on single bodies do."""
+        return self.work or self.acted
+
+    @property
     def acted(self) -> bool:
         """Account is kept of forces on single bodies."""
         barriers = self.velocity_barrier or self.spin_barrier

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import warp as wp
 
+from warpdem.allocation import allocated
 from warpdem.errors import UnstableError
 from warpdem.kernels.images import find_images, wrap_bodies
 from warpdem.kernels.precision import vec3
@@ -67,8 +68,8 @@ class Images:
 
     def __init__(self, model: Model, state: State) -> None:
         self._model, self._state = model, state
-        self.home = wp.zeros(model.body_count, dtype=wp.vec3i, device=model.device)
-        self.wrapped = wp.zeros(model.body_count, dtype=vec3, device=model.device)
+        own = allocated("images", "body", model.body_count, model.features, model.device)
+        self.home, self.wrapped = own["home"], own["wrapped"]
         self._periodic = wp.vec3i(*map(int, model.periodic))
         self._tree_reach = vec3(*self._large_reach())
         surfaces = np.flatnonzero(model.surface)

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
+from warpdem.allocation import allocate, allocated
 from warpdem.images import Images, shorten
 from warpdem.kernels.matching import carry_history
 from warpdem.kernels.neighbours import (
-    FEW,
     find_partners,
     incidence_keys,
     incidence_starts,
     set_reach,
 )
-from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sphere_forces import locate_contacts
 from warpdem.kernels.views import Bonds, Candidates, Incidence, Pairs
+from warpdem.memory import grid_side, grown
 from warpdem.search import Search
 from warpdem.stages import laws
 
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from warpdem.model import Model
     from warpdem.state import State
 
-# head room of a list that has to grow
-GROWTH = 1.3
 # each body may go as far as it would in so many steps before the lists are renewed, within these
 # parts of half the first skin: by measurement, tools/design/0007
 AHEAD = 120
@@ -67,14 +65,10 @@ class Lists:
         self.pair_room = 0
         self._candidate_room = 0
         count = model.body_count
-        self.incidence.start = wp.zeros(count + 1, dtype=wp.int32, device=device)
-        self.ends = wp.zeros(count, dtype=wp.int32, device=device)
+        allocate(self.incidence, "incidence", "body", count, model.features, device)
+        own = allocated("lists", "body", count, model.features, device)
+        self.ends, self._few = own["ends"], own["few"]
         self.incidence.ends = self.ends
-        own = count if model.features.single else 1
-        self.incidence.own_force = wp.zeros(own, dtype=vec3, device=device)
-        self.incidence.own_torque = wp.zeros(own, dtype=vec3, device=device)
-        few = 1 if self.has_images else FEW * count
-        self._few = wp.zeros(few, dtype=wp.int32, device=device)
         self._grid_bound = float(model.bound[~model.large].max(initial=0.0))
         self._grid = self._hash_grid()
         self._tree: wp.Bvh | None = None
@@ -164,55 +158,25 @@ class Lists:
 
     def _hash_grid(self) -> Any:
         free = max(int(np.count_nonzero(~self._model.large)), 1)
-        side = int(np.clip(2 ** np.ceil(np.log2(free ** (1 / 3)) + 1), 8, 128))
+        side = grid_side(free)
         return wp.HashGrid(side, side, side, device=self._model.device, dtype=wp.float64)
 
     def _grow_pairs(self, room: int) -> None:
         if room <= self.pair_room:
             return
-        room = int(room * GROWTH) + 64
-        device = self._model.device
-        pairs = self.pairs
-        for name in ("owner", "partner", "material", "touching"):
-            setattr(pairs, name, wp.zeros(room, dtype=wp.int32, device=device))
-        hot = room if self._model.features.hot_lists else 1
-        pairs.hot_end = wp.zeros(hot, dtype=wp.int32, device=device)
-        pairs.cold = wp.zeros(hot, dtype=real, device=device)
-        pairs.image = wp.zeros(room if self.has_images else 1, dtype=wp.vec3i, device=device)
-        pairs.start = wp.zeros(room + 1, dtype=wp.int32, device=device)
-        pairs.force = wp.zeros(room, dtype=vec3, device=device)
-        both = 1 if self._model.features.single else room
-        pairs.torque = wp.zeros(both, dtype=vec3, device=device)
-        pairs.torque_partner = wp.zeros(room, dtype=vec3, device=device)
-        self.incidence.pair = wp.zeros(2 * room, dtype=wp.int32, device=device)
-        self._keys = wp.zeros(2 * room, dtype=wp.int32, device=device)
-        if self._model.features.account:
-            self._state.account.pair = wp.zeros(room, dtype=vec4, device=device)
-            self._state.account.power = wp.zeros(room, dtype=vec4, device=device)
+        room, has, device = grown(room), self._model.features, self._model.device
+        allocate(self.pairs, "pairs", "pair", room, has, device)
+        allocate(self.incidence, "incidence", "pair", room, has, device)
+        allocate(self._state.account, "account", "pair", room, has, device)
+        self._keys = allocated("lists", "pair", room, has, device)["keys"]
         self.pair_room = room
         self.generation += 1
 
     def _grow_candidates(self, room: int) -> None:
         if room <= self._candidate_room:
             return
-        room = int(room * GROWTH) + 256
-        device = self._model.device
-        candidates = self.candidates
-        candidates.code = wp.zeros(room, dtype=wp.int64, device=device)
-        candidates.past = wp.zeros(room, dtype=vec4, device=device)
-        rolled = room if self._model.features.rolling else 1
-        candidates.rolled = wp.zeros(rolled, dtype=vec4, device=device)
-        shares = room if self._model.features.partnership != "sum" else 1
-        candidates.share = wp.zeros(shares, dtype=real, device=device)
-        last = room if self._model.features.avalanche else 1
-        candidates.last = wp.zeros(last, dtype=real, device=device)
-        hot = room if self._model.features.hot_lists else 1
-        candidates.clear = wp.zeros(hot, dtype=real, device=device)
-        candidates.hot = wp.zeros(hot, dtype=wp.int32, device=device)
-        candidates.which = wp.zeros(room, dtype=wp.int32, device=device)
-        candidates.normal = wp.zeros(room, dtype=vec3, device=device)
-        candidates.point = wp.zeros(room, dtype=vec3, device=device)
-        candidates.gap = wp.zeros(room, dtype=real, device=device)
+        room, has, device = grown(room), self._model.features, self._model.device
+        allocate(self.candidates, "candidates", "candidate", room, has, device)
         self._candidate_room = room
         self.generation += 1
 

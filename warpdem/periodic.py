@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
+from warpdem.allocation import allocate
 from warpdem.checks.cell import cell_control, spanning_axes
 from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.precision import mat33, real, vec3
@@ -89,7 +90,7 @@ def cell_of(
     for name, value in numbers.items():
         setattr(cell, name, one(value, real))
     cell.centre = one(given.centre, vec3)
-    cell.sums = wp.zeros(CHUNKS if features.cell_sums else 1, dtype=mat33, device=device)
+    allocate(cell, "cell", "chunk", CHUNKS, features, device)
     spanning = spanning_axes(scene, placement, polyhedra)
     cell.spanning = wp.array(spanning.astype(np.int32), dtype=wp.vec3i, device=device)
     return cell

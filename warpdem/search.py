@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import warp as wp
 
+from warpdem.allocation import allocated
 from warpdem.kernels.candidates import find_candidates, find_near, single_candidates
-from warpdem.kernels.outcodes import Near
+from warpdem.memory import grown
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
     from warpdem.model import Model
     from warpdem.state import State
 
-# head room of an array that has to grow
-GROWTH = 1.3
-
 
 class Search:
     """Writes the candidates of body pairs; its arrays grow, they never shrink."""
@@ -28,9 +26,10 @@ class Search:
     def __init__(self, model: Model, state: State) -> None:
         self._model = model
         self._state = state
-        self._near = wp.zeros(1, dtype=Near, device=model.device)
-        self._rows = wp.zeros(1, dtype=wp.int32, device=model.device)
-        self._hits = wp.zeros(1, dtype=wp.uint64, device=model.device)
+        has, device = model.features, model.device
+        of_pairs = allocated("search", "pair", grown(1), has, device)
+        self._near, self._rows = of_pairs["near"], of_pairs["rows"]
+        self._hits = allocated("search", "row", grown(1), has, device)["hits"]
 
     def find(
         self,
@@ -92,4 +91,4 @@ def _at_least(values: wp.array, room: int) -> wp.array:
     """The array, or a longer one with head room; contents are lost."""
     if room <= len(values):
         return values
-    return wp.zeros(int(room * GROWTH), dtype=values.dtype, device=values.device)
+    return wp.zeros(grown(room), dtype=values.dtype, device=values.device)

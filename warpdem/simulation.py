@@ -70,6 +70,9 @@ class Simulation:
         notes: Repairs and warnings, in words.
     """
 
+    # what takes the steps
+    stepper: Callable[..., Stepper] = Stepper
+
     def __init__(
         self,
         scene: Scene,
@@ -81,26 +84,25 @@ class Simulation:
         if scene.run.method != "smooth":
             raise WarpdemError('run.method = "nonsmooth": fly it by warpdem.run, not a Simulation')
         self.scene = scene
+        tell = progress or (lambda _: None)
+        tell("shapes")
         check_custom_laws(scene)
         self.polyhedra = build_shapes(scene)
+        tell("places of bodies")
         self.placement = place(scene, self.polyhedra)
-        self.features = features_of(scene, self.placement, self.polyhedra)
-        self.notes = list(self.placement.notes)
-        interfaces = bonds_of(scene, self.placement, self.polyhedra)
-        step = automatic_step(scene, self.placement, self.polyhedra, interfaces)
-        self.notes.extend(filter(None, [step.message]))
-        self.dt = step.dt
+        placed = (scene, self.placement, self.polyhedra)
+        tell("bonds, time step, drivers")
+        self.features = features_of(*placed)
+        interfaces = bonds_of(*placed)
+        step = automatic_step(*placed, interfaces)
+        self.notes = [*self.placement.notes, *filter(None, [step.message])]
+        self.dt = self._next_dt = step.dt
         self.device = find_device(device or scene.run.device)
         self._threads = threads or os.cpu_count() or 1
-        self.plan = plan_of(scene, self.placement, self.polyhedra)
+        self.plan = plan_of(*placed)
+        tell("arrays")
         self._model, self._state = build(
-            scene,
-            self.placement,
-            self.polyhedra,
-            self.features,
-            self.device,
-            plan=self.plan,
-            interfaces=interfaces,
+            *placed, self.features, self.device, plan=self.plan, interfaces=interfaces
         )
         self._blocks = Blocks(self.plan, self.features, self._state.drives)
         self._lists = Lists(self._model, self._state)
@@ -108,15 +110,13 @@ class Simulation:
         self._whole = cut(self._state, count, 1, self.device)[0]
         sizes = sorted({1, self._crew_size()})
         self._crews = [cut(self._state, count, size, self.device) for size in sizes]
-        self._time = 0.0
-        self._time_steps = 0
-        self._next_dt = self.dt
+        self._time, self._time_steps = 0.0, 0
         self._warned = False
         self._sunk: set[tuple[int, int]] = set()
         self._chunk = 1
-        self.compile_seconds = 0.0
         self.loop_seconds = 0.0
-        self._compile(progress or (lambda _: None))
+        self._compile(tell)
+        tell("first forces")
         self._first_forces()
         self._note_sunk()
         self._energy_start = observe.total_energy(self._model, self._state, self._lists)
@@ -238,7 +238,7 @@ class Simulation:
         )
         self._after = after_drift(model, state, lists, self._whole, self.dt)
         self._stepper = Crews(
-            [Stepper(model, state, lists, shares, self.dt) for shares in self._crews]
+            [self.stepper(model, state, lists, shares, self.dt) for shares in self._crews]
         )
 
     def _launch(self, *stages: Stage) -> None:

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
+from warpdem.allocation import allocate
 from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.meeting import LINE
-from warpdem.kernels.precision import mat33, quat, real, vec3, vec4
 from warpdem.kernels.views import Account, Bodies, Cell, Clock, Drives
 
 if TYPE_CHECKING:
     from warpdem.bonding import Bonding
+    from warpdem.features import Features
 
 
 @dataclass(frozen=True)
@@ -39,47 +40,17 @@ class State:
     bonding: Bonding | None = None
 
 
-def allocate(
-    device: Any,
-    body_count: int,
-    arm_count: int,
-    cell: Cell,
-    *,
-    work: bool,
-    braking: bool,
-    paths: bool,
+def allocate_state(
+    device: Any, has: Features, body_count: int, arm_count: int, cell: Cell
 ) -> State:
-    """A state of zeros, its drives to be given.
-
-    ``work``: that of drivers or forces is kept; ``braking``: dashpots ask how many pairs act on a
-    body; ``paths``: there are hot lists.
-    """
-
-    def zeros(dtype: Any, count: int = body_count) -> wp.array:
-        return wp.zeros(count, dtype=dtype, device=device)
-
-    bodies = Bodies()
-    for name in ("position", "momentum", "angular_momentum", "force", "torque"):
-        setattr(bodies, name, zeros(vec3))
-    for name in ("velocity", "spin", "velocity_end", "spin_end", "listed_position"):
-        setattr(bodies, name, zeros(vec3))
-    bodies.orientation = zeros(quat)
-    bodies.listed_orientation = zeros(quat)
-    bodies.rotation = zeros(mat33)
-    bodies.arm = zeros(vec3, max(arm_count, 1))
-    bodies.braked = zeros(wp.int32, body_count if braking else 1)
-    bodies.path = zeros(real, body_count if paths else 1)
-    bodies.reach = zeros(real)
-    clock = Clock()
+    """A state of zeros, its drives to be given."""
+    bodies, clock, account = Bodies(), Clock(), Account()
+    allocate(bodies, "bodies", "body", body_count, has, device)
+    allocate(bodies, "bodies", "vertex", max(arm_count, 1), has, device)
     for name in ("moved", "fault", "halted", "steps"):
-        setattr(clock, name, zeros(wp.int32, 1))
-    energy = Account()
-    kept = body_count if work else 1
-    energy.body_power = zeros(real, kept)
-    energy.work = zeros(real, kept)
-    energy.pair = zeros(vec4, 1)
-    energy.power = zeros(vec4, 1)
-    return State(bodies, clock, energy, cell, Drives())
+        setattr(clock, name, wp.zeros(1, dtype=wp.int32, device=device))
+    allocate(account, "account", "body", body_count, has, device)
+    return State(bodies, clock, account, cell, Drives())
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from warpdem.bonds.creation import bonds_of
 from warpdem.checks import doubts
 from warpdem.checks.cell import spanning_axes
 from warpdem.checks.custom_laws import check_custom_laws
+from warpdem.checks.memory import expected_counts, memory_of
 from warpdem.checks.overlap import overlaps_at_start
 from warpdem.checks.report import Report, ShapeLine
 from warpdem.checks.timestep import TimeStep, automatic_step, masses
@@ -23,28 +24,10 @@ from warpdem.input.decode import problem_at
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from warpdem.bonds.creation import Interfaces
     from warpdem.checks.rockfall_report import RockfallReport
-    from warpdem.features import Features
     from warpdem.geometry.polyhedron import Polyhedron
     from warpdem.input.scene import Scene
-
-BODY_BYTES = 700
-"""Positions, orientations, momenta, forces, shape and group of a body, and their checkpoint."""
-
-VERTEX_BYTES = 24
-"""A vertex of a body turned into the world."""
-
-PAIR_BYTES = 170
-"""Forces and bookkeeping of two bodies near one another."""
-
-CANDIDATE_BYTES = 250
-"""History and geometry of two features near one another, twice while a list is renewed."""
-
-NEIGHBOURS = 6
-"""Pairs of each free body in a dense packing."""
-
-CANDIDATES = 11
-"""Candidates of each vertex of a free body in a dense packing (measured for cubes, skin 8 %)."""
 
 
 def check(scene: Scene) -> Report | RockfallReport:
@@ -69,8 +52,9 @@ def check_smooth(scene: Scene) -> Report:
     polyhedra = build_shapes(scene)
     flow_of(scene)
     placement = place(scene, polyhedra)
-    step, problems = _step(scene, placement, polyhedra)
+    step, interfaces, problems = _step(scene, placement, polyhedra)
     features = features_of(scene, placement, polyhedra)
+    counts = expected_counts(scene, placement, polyhedra, features, interfaces)
     problems = [*problems, *_wall_problems(scene, placement, polyhedra)]
     mass = masses(placement, polyhedra)[0]
     start = overlaps_at_start(placement, polyhedra, scene.cell)
@@ -84,7 +68,7 @@ def check_smooth(scene: Scene) -> Report:
         step=step,
         duration=scene.run.duration,
         frames=_frame_count(scene),
-        memory=_memory(placement, polyhedra, features),
+        memory=memory_of(features, counts),
         stages=stage_names(features),
         notes=(
             *(f'shape "{s.name}": {note}' for s in polyhedra.values() for note in s.notes),
@@ -126,12 +110,13 @@ def build_shapes(scene: Scene) -> dict[str, Polyhedron]:
 
 def _step(
     scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]
-) -> tuple[TimeStep | None, list[Problem]]:
+) -> tuple[TimeStep | None, Interfaces | None, list[Problem]]:
+    bonds = None
     try:
         bonds = bonds_of(scene, placement, polyhedra)
-        return automatic_step(scene, placement, polyhedra, bonds), []
+        return automatic_step(scene, placement, polyhedra, bonds), bonds, []
     except SceneError as error:
-        return None, error.problems
+        return None, bonds, error.problems
 
 
 def _shape_lines(
@@ -164,14 +149,3 @@ def _group_lines(placement: Placement) -> tuple[tuple[str, int, int], ...]:
 def _frame_count(scene: Scene) -> int:
     # The last frame is at the end; a multiple within a billionth of it is the same one.
     return 1 + int(np.ceil(scene.run.duration / scene.frame_interval * (1.0 - 1e-9)))
-
-
-def _memory(placement: Placement, polyhedra: Mapping[str, Polyhedron], has: Features) -> int:
-    vertices = np.array([len(shape.vertices) for shape in polyhedra.values()], dtype=int)
-    own = vertices[placement.shape]
-    total = BODY_BYTES * len(own) + VERTEX_BYTES * int(own.sum())
-    if has.contacts:
-        free = own[~placement.fixed]
-        total += PAIR_BYTES * NEIGHBOURS * len(free)
-        total += CANDIDATE_BYTES * int(np.maximum(CANDIDATES * free, NEIGHBOURS).sum())
-    return total

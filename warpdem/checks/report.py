@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from warpdem.checks.memory import Memory
     from warpdem.checks.timestep import TimeStep
     from warpdem.errors import Problem
 
@@ -51,7 +52,7 @@ class Report:
         step: The time step; None when the given one is refused.
         duration: Simulated time [s].
         frames: Number of frames written, the first included.
-        memory: Estimated bytes of the run's arrays.
+        memory: Of the run's arrays.
         stages: Of one step, in order.
         notes: Repairs and counts, in words.
         warnings: What is allowed but probably not meant.
@@ -66,7 +67,7 @@ class Report:
     step: TimeStep | None
     duration: float
     frames: int
-    memory: int
+    memory: Memory
     stages: tuple[str, ...]
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
@@ -101,7 +102,7 @@ class Report:
         if self.step:
             yield from _step_lines(self.step, self.duration)
         yield f"output  {self.frames} frames"
-        yield f"memory  about {size_text(self.memory)}"
+        yield from _memory_lines(self.memory)
         for word in ("notes", "warnings", "problems"):
             yield from listed(word, getattr(self, word))
 
@@ -117,6 +118,16 @@ def _step_lines(step: TimeStep, duration: float) -> Iterator[str]:
             f"        shortest contact {step.contact_time:.4g} s, "
             f"{step.contact_time / step.dt:.3g} steps"
         )
+
+
+def _memory_lines(memory: Memory) -> Iterator[str]:
+    yield f"memory  about {size_text(memory.total)}: {memory}"
+    if pairs := memory.counts["pair"]:
+        yield (
+            f"        {pairs} pairs and {memory.counts['candidate']} candidates expected, as of "
+            f"a heap that settles, with head room"
+        )
+        yield f"        {size_text(memory.renewing)} more while lists are renewed"
 
 
 def columns(head: Sequence[str], rows: Sequence[Sequence[object]]) -> Iterator[str]:

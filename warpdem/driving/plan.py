@@ -27,6 +27,15 @@ if TYPE_CHECKING:
     from warpdem.input.scene import Scene
 
 
+# rows (of a step and a driven body) in a block, but for these limits to its number of steps
+BLOCK_ROWS, FEWEST_STEPS, MOST_STEPS = 1 << 16, 64, 1024
+
+
+def block_steps(driven_count: int) -> int:
+    """Steps in a block: of the scene alone, so that a resumed run cuts its steps alike."""
+    return int(np.clip(BLOCK_ROWS // max(driven_count, 1), FEWEST_STEPS, MOST_STEPS))
+
+
 @dataclass(frozen=True)
 class Imposed:
     """One driver's imposed motion.

@@ -10,6 +10,7 @@ from warpdem.output import checkpoint as checkpoints
 from warpdem.output.folder import claimed
 from warpdem.output.scene_keys import flat_scene, refuse_differing
 from warpdem.running.interrupts import Interrupts
+from warpdem.running.profile import profile_text, span_of
 from warpdem.running.progress import Progress
 from warpdem.running.session import Session, frames
 
@@ -18,10 +19,11 @@ if TYPE_CHECKING:
     from warpdem.output.checkpoint import Checkpoint
     from warpdem.output.folder import RunFolder
     from warpdem.rockfall.share import Share
+    from warpdem.running.profile import Profile
     from warpdem.simulation import Simulation
 
 
-def run(
+def run(  # noqa: PLR0913 - options of the command line
     scene: Scene,
     directory: str | Path,
     *,
@@ -31,6 +33,7 @@ def run(
     force: bool = False,
     quiet: bool = False,
     share: Share | None = None,
+    profile: Profile | None = None,
 ) -> int:
     """Simulate a scene and write its results.
 
@@ -45,6 +48,8 @@ def run(
         quiet: Say nothing on standard error.
         share: Which part of an ensemble is flown, and on what; only with ``run.method``
             "nonsmooth".
+        profile: Times the stages of a smooth run, prints them at the end, and adds them to the
+            summary.
 
     Returns:
         Exit status: 0, or 130 and 143 when SIGINT or SIGTERM ended it after a checkpoint.
@@ -56,6 +61,11 @@ def run(
         Interrupted: A signal came before the first step; nothing was written.
     """
     if scene.run.method == "nonsmooth":
+        if profile:
+            raise WarpdemError(
+                'run.method = "nonsmooth": --profile times the stages of method "smooth"; what an '
+                "ensemble takes is in its summary.json"
+            )
         from warpdem.rockfall.ensemble import WHOLE, run_rockfall  # noqa: PLC0415 - only there
 
         return run_rockfall(
@@ -81,6 +91,7 @@ def run(
         resume=resume,
         force=force,
         progress=Progress(quiet=quiet),
+        profile=profile,
     )
 
 
@@ -93,6 +104,7 @@ def _run_smooth(
     resume: bool,
     force: bool,
     progress: Progress,
+    profile: Profile | None,
 ) -> int:
     """Simulate deformable contacts, as of ``run``."""
     with Interrupts() as signals, claimed(directory, resume=resume, force=force) as folder:
@@ -100,11 +112,16 @@ def _run_smooth(
         if start and frames(scene, start).done:
             progress.tell(_nothing_left(folder, start))
             return 0
-        simulation = _simulation(scene, start, device, threads, progress)
+        with span_of(profile, "start-up"):
+            simulation = _simulation(scene, start, device, threads, progress, profile)
         if not start:
             folder.clear()
         folder.clear_parts()
-        return Session(scene, simulation, folder, progress, signals, start).run()
+        session = Session(scene, simulation, folder, progress, signals, start, profile)
+        status = session.run()
+        if profile:
+            print(profile_text(session.profiled()))
+        return status
 
 
 def _resumable(scene: Scene, folder: RunFolder) -> Checkpoint:
@@ -125,11 +142,18 @@ def _simulation(
     device: str | None,
     threads: int | None,
     progress: Progress,
+    profile: Profile | None,
 ) -> Simulation:
     """The scene ready to run, from its checkpoint on if there is one."""
-    from warpdem.simulation import Simulation  # noqa: PLC0415 - loads Warp
+    with span_of(profile, "imports"):
+        from warpdem.simulation import Simulation  # noqa: PLC0415 - loads Warp
+    options = {"device": device, "threads": threads, "progress": progress.work}
+    if profile:
+        from warpdem.profiled import ProfiledSimulation  # noqa: PLC0415 - the same
 
-    simulation = Simulation(scene, device=device, threads=threads, progress=progress.work)
+        simulation = ProfiledSimulation(scene, profile=profile, **options)
+    else:
+        simulation = Simulation(scene, **options)
     if start:
         simulation.restore(start.state)
     return simulation

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from warpdem.input.scene import Scene
     from warpdem.output.folder import RunFolder
     from warpdem.running.interrupts import Interrupts
+    from warpdem.running.profile import Profile
     from warpdem.simulation import Simulation
 
 
@@ -36,6 +37,7 @@ class Session:
         progress: Where it tells of itself.
         interrupts: The signals that end it.
         start: The checkpoint it resumes from.
+        profile: Where it tells how long things take.
     """
 
     scene: Scene
@@ -44,6 +46,7 @@ class Session:
     progress: Progress
     interrupts: Interrupts
     start: Checkpoint | None = None
+    profile: Profile | None = None
 
     def __post_init__(self) -> None:
         self._frames = frames(self.scene, self.start)
@@ -83,6 +86,9 @@ class Session:
             writer,
             self.start,
         )
+        if self.profile:
+            self.profile.watch(recorder, record="frames to the writer", _write="frames, tables")
+            self.profile.watch(recorder, _save="checkpoints")
         try:
             with writer:
                 while not self._frames.done:
@@ -179,6 +185,13 @@ class Session:
         except OSError as fault:
             raise OutputError(told(fault)) from fault
 
+    def profiled(self) -> dict[str, Any]:
+        """What the profile says of this session."""
+        assert self.profile
+        simulation = self.simulation
+        steps = simulation.step_count - self._first_step
+        return self.profile.facts(simulation.features, simulation.body_count * steps)
+
     def _facts(self) -> dict[str, Any]:
         simulation, report = self.simulation, self.simulation.report()
         steps = simulation.step_count - self._first_step
@@ -199,6 +212,7 @@ class Session:
             "wall_seconds": time.monotonic() - self._began,
             "body_steps_per_s": body_steps / max(report["loop_seconds"], 1e-9),
             **report,
+            **({"profile": self.profiled()} if self.profile else {}),
             "versions": summary.versions(__version__),
         }
 
