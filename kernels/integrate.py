@@ -144,11 +144,14 @@ def halt(
     # in and out
     clock: Clock,
 ):
-    """End of a step's drift: count it, and stop the batch where the host has to act."""
+    """End of a step's drift: count it, and stop where it was the last or the host has to act."""
     if clock.halted[0] == 0:
         clock.steps[0] = clock.steps[0] + 1
+        clock.left[0] = clock.left[0] - 1
         if clock.moved[0] != 0 or clock.fault[0] != 0:
             clock.halted[0] = 1
+        if clock.halted[0] != 0 or clock.left[0] <= 0:
+            clock.going[0] = 0
 
 
 @functools.cache

@@ -253,13 +253,15 @@ class Material:
 class Clock:
     """What the host reads between batches of steps, one number each.
 
-    Host threads share ``moved`` and ``fault``; each has its own ``halted``, ``steps``.
+    Host threads share ``moved`` and ``fault``; each has its own of the others.
     """
 
     moved: wp.array(dtype=wp.int32)  # some body went farther
     fault: wp.array(dtype=wp.int32)  # some body moved more than its own size in one step
     halted: wp.array(dtype=wp.int32)  # steps are skipped until the host has looked
     steps: wp.array(dtype=wp.int32)
+    left: wp.array(dtype=wp.int32)  # steps that are still to be done before the host looks
+    going: wp.array(dtype=wp.int32)  # the loop goes on
 
 
 @wp.struct

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from warpdem.running.profile import Profile
     from warpdem.snapshot import Snapshot
     from warpdem.stages import Stage
+    from warpdem.state import Share
 
 
 class ProfilingStepper(Stepper):
@@ -29,17 +30,21 @@ class ProfilingStepper(Stepper):
     def __init__(self, profile: Profile, *given: Any) -> None:
         self._profile = profile
         super().__init__(*given)
+        self._loops = False
 
     def cycles(self, count: int) -> bool:
         """Run ``count`` cycles, or fewer where the clock halts: then False."""
         halted = self._shares[0].clock.halted
         while count > 0 and not halted.numpy()[0]:
             batch = min(count, BATCH)
-            graphs = self._graphs_of(1)
+            self._graphs = self._graphs or [
+                self._record_each(stages, share)
+                for stages, share in zip(self._stages, self._shares, strict=True)
+            ]
             if self._pool is None:
-                runs = [self._run(graphs[0], batch)]
+                runs = [self._run(self._graphs[0], batch)]
             else:
-                runs = list(self._pool.map(self._run, graphs, [batch] * len(graphs)))
+                runs = list(self._pool.map(self._run, self._graphs, [batch] * len(self._graphs)))
             self._note(runs)
             count -= batch
         return not halted.numpy()[0]
@@ -68,10 +73,9 @@ class ProfilingStepper(Stepper):
             for stage, seconds in zip(stages, spent, strict=True):
                 self._profile.add(stage.name, seconds / members, 0 if member else done)
 
-    def _record(self, stages: Sequence[Stage], batch: int) -> list[Any]:
-        record = super()._record
+    def _record_each(self, stages: Sequence[Stage], share: Share) -> list[Any]:
         with self._profile.span("recording"):
-            return [record([stage], batch) for stage in stages]
+            return [self._record([stage], share) for stage in stages]
 
 
 class ProfiledSimulation(Simulation):

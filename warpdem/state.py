@@ -47,7 +47,7 @@ def allocate_state(
     bodies, clock, account = Bodies(), Clock(), Account()
     allocate(bodies, "bodies", "body", body_count, has, device)
     allocate(bodies, "bodies", "vertex", max(arm_count, 1), has, device)
-    for name in ("moved", "fault", "halted", "steps"):
+    for name in ("moved", "fault", "halted", "steps", "left", "going"):
         setattr(clock, name, wp.zeros(1, dtype=wp.int32, device=device))
     allocate(account, "account", "body", body_count, has, device)
     return State(bodies, clock, account, cell, Drives())
@@ -87,8 +87,8 @@ def cut(state: State, body_count: int, members: int, device: Any) -> list[Share]
         if member > 0:
             clock = Clock()
             clock.moved, clock.fault = state.clock.moved, state.clock.fault
-            clock.halted = wp.zeros(1, dtype=wp.int32, device=device)
-            clock.steps = wp.zeros(1, dtype=wp.int32, device=device)
+            for name in ("halted", "steps", "left", "going"):
+                setattr(clock, name, wp.zeros(1, dtype=wp.int32, device=device))
         bodies = wp.array(cuts[member : member + 2], dtype=wp.int32, device=device)
         pairs = wp.zeros(2, dtype=wp.int32, device=device)
         interfaces = wp.array(places[member : member + 2], dtype=wp.int32, device=device)

@@ -1,4 +1,4 @@
-"""Runs cycles of stages: recorded graphs of many steps, one for each host thread."""
+"""Runs cycles of stages: a recorded loop of steps for each host thread."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from warpdem.model import Model
     from warpdem.state import Share, State
 
-# steps between two looks at the clock; those after a halt cost launches that return at once
+# steps between two looks at the clock where a device cannot loop by itself
 BATCH = 16
 # a pair costs about as much as so many of its candidates
 PAIR_COST = 8
@@ -39,8 +39,10 @@ class Stepper:
         self._interface_count = len(state.bonding) if state.bonding else 0
         self._shares = shares
         self._stages = [cycle(model, state, lists, share, dt) for share in shares]
-        self._graphs: dict[int, list[Any]] = {}
+        self._graphs: list[Any] = []
         self._generation = -1
+        # the device goes on by itself, with no look from the host, until it is done or halts
+        self._loops = model.device.is_cpu or wp.is_conditional_graph_supported()
         self._pool = ThreadPoolExecutor(len(shares)) if len(shares) > 1 else None
         self.prepare()
 
@@ -52,7 +54,7 @@ class Stepper:
             share.pairs.assign(np.array([first, last], dtype=np.int32))
             share.clock.halted.zero_()
         if lists.generation != self._generation:
-            self._graphs.clear()
+            self._graphs = []
             self._generation = lists.generation
 
     def _cuts(self) -> np.ndarray:
@@ -79,15 +81,20 @@ class Stepper:
         """Run ``count`` cycles, or fewer where the clock halts: then False."""
         halted = self._shares[0].clock.halted
         while count > 0 and not halted.numpy()[0]:
-            batch = BATCH if count >= BATCH else 1
-            # on the CPU a launch takes 1 to 3 ms to record, and a graph 1 us more to launch
-            recorded = 1 if self._model.device.is_cpu else batch
-            graphs = self._graphs_of(recorded)
+            turns = count if self._loops else min(count, BATCH)
+            for share in self._shares:
+                share.clock.left.fill_(turns)
+                share.clock.going.fill_(1)
+            self._graphs = self._graphs or [
+                self._record(stages, share)
+                for stages, share in zip(self._stages, self._shares, strict=True)
+            ]
+            each = 1 if self._loops else turns
             if self._pool is None:
-                repeat(graphs[0], batch // recorded)
+                repeat(self._graphs[0], each)
             else:
-                list(self._pool.map(repeat, graphs, [batch // recorded] * len(graphs)))
-            count -= batch
+                list(self._pool.map(repeat, self._graphs, [each] * len(self._graphs)))
+            count -= turns
         return not halted.numpy()[0]
 
     def close(self) -> None:
@@ -95,17 +102,18 @@ class Stepper:
         if self._pool is not None:
             self._pool.shutdown()
 
-    def _graphs_of(self, batch: int) -> list[Any]:
-        if batch not in self._graphs:
-            self._graphs[batch] = [self._record(stages, batch) for stages in self._stages]
-        return self._graphs[batch]
+    def _record(self, stages: Sequence[Stage], share: Share) -> Any:
+        """Graph of a loop over the stages, or of one turn of it."""
 
-    def _record(self, stages: Sequence[Stage], batch: int) -> Any:
-        device = self._model.device
-        with wp.ScopedCapture(device=device, force_module_load=False) as capture:
-            for _ in range(batch):
-                for stage in stages:
-                    self._launch(stage, stage.over)
+        def turn() -> None:
+            for stage in stages:
+                self._launch(stage, stage.over)
+
+        with wp.ScopedCapture(device=self._model.device, force_module_load=False) as capture:
+            if self._loops:
+                wp.capture_while(share.clock.going, turn)
+            else:
+                turn()
         return capture.graph
 
     def _launch(self, stage: Stage, over: str) -> None:
