@@ -15,6 +15,7 @@ from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.narrow import FAR
 from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.sleep import kept_wrench, stand_still
 from warpdem.kernels.touching import find_single, gaps
 from warpdem.kernels.variant import inlined, variant
 from warpdem.kernels.views import (
@@ -73,6 +74,10 @@ def one_pair(laws: Laws) -> wp.Function:
         """Force [N] and torque [N m] on the owner, about its centre."""
         j = pairs.partner[pair]
         d = bodies.position[i] - bodies.position[j]
+        if wp.static(laws.sleeps):
+            if stand_still(bodies.sleep, i, j):
+                f, t = kept_wrench(pairs, pair, d)
+                return f, t
         flow = Flow()
         if wp.static(laws.periodic):
             image = real_vector(pairs.image[pair])

@@ -19,6 +19,7 @@ from warpdem.kernels.views import Geometry, Inertia
 from warpdem.materials import materials
 from warpdem.model import Model, on
 from warpdem.periodic import cell_of
+from warpdem.sleeping import sleep_of
 from warpdem.state import State, allocate
 
 if TYPE_CHECKING:
@@ -89,6 +90,8 @@ def build(
         braking=features.braking,
         paths=features.hot_lists,
     )
+    still = placement.fixed & (model.inertia.driven.numpy() == 0)
+    state.bodies.sleep = sleep_of(scene, features, still, device)
     drives = allocate_drives(device, plan, features, state.clock)
     state = replace(state, drives=drives)
     _start(state, placement, mass, moment)

@@ -19,6 +19,7 @@ from warpdem.kernels.sphere_forces import locate_contacts
 from warpdem.lists import history_kernel
 from warpdem.materials import try_custom_laws
 from warpdem.search import candidate_kernels
+from warpdem.sleeping import sleep_kernels
 from warpdem.stages import advance, after_drift, cell_drift, cycle, laws
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
         kernels["locate"] = locate_contacts(laws(has))
     kernels["history"] = history_kernel(has)
     kernels["incidence"] = incidence_keys
+    kernels |= sleep_kernels(has)
     kernels["measures"] = frequency_bound(has.partnership, periodic=has.periodic)
     if has.controlled:
         kernels["wall measures"] = wall_frequency

@@ -20,6 +20,7 @@ from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sphere_forces import locate_contacts
 from warpdem.kernels.views import Bonds, Candidates, Incidence, Pairs
 from warpdem.search import Search
+from warpdem.sleeping import keep_wrenches
 from warpdem.stages import laws
 
 if TYPE_CHECKING:
@@ -97,6 +98,7 @@ class Lists:
         if self._model.features.deforming:
             shorten(state, self.pairs, self.pair_count, self._model.periodic)
             wp.copy(state.cell.listed, state.cell.edges)
+        carry_wrenches = keep_wrenches(self._model, state, self)
         self.settle()
         old = self._keep_old()
         if not again:
@@ -108,6 +110,7 @@ class Lists:
             self.pairs, self.pair_count, self.candidates, self._grow_candidates
         )
         self._carry(old)
+        carry_wrenches()
         state.bodies.path.zero_()
         state.clock.moved.zero_()
         state.clock.halted.zero_()

@@ -26,6 +26,7 @@ from warpdem.filling.placement import place
 from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.integrate import orient
 from warpdem.lists import Lists
+from warpdem.sleeping import Sleeping, note_of
 from warpdem.stages import (
     Stage,
     acting,
@@ -85,7 +86,7 @@ class Simulation:
         self.polyhedra = build_shapes(scene)
         self.placement = place(scene, self.polyhedra)
         self.features = features_of(scene, self.placement, self.polyhedra)
-        self.notes = list(self.placement.notes)
+        self.notes = [*self.placement.notes, *note_of(scene)]
         interfaces = bonds_of(scene, self.placement, self.polyhedra)
         step = automatic_step(scene, self.placement, self.polyhedra, interfaces)
         self.notes.extend(filter(None, [step.message]))
@@ -104,18 +105,17 @@ class Simulation:
         )
         self._blocks = Blocks(self.plan, self.features, self._state.drives)
         self._lists = Lists(self._model, self._state)
+        self._sleeping = Sleeping(self._model, self._state, self._lists)
         count = self.body_count
         self._whole = cut(self._state, count, 1, self.device)[0]
         sizes = sorted({1, self._crew_size()})
         self._crews = [cut(self._state, count, size, self.device) for size in sizes]
-        self._time = 0.0
-        self._time_steps = 0
+        self._time, self._time_steps = 0.0, 0
         self._next_dt = self.dt
         self._warned = False
         self._sunk: set[tuple[int, int]] = set()
         self._chunk = 1
-        self.compile_seconds = 0.0
-        self.loop_seconds = 0.0
+        self.compile_seconds = self.loop_seconds = 0.0
         self._compile(progress or (lambda _: None))
         self._first_forces()
         self._note_sunk()
@@ -146,8 +146,8 @@ class Simulation:
         try:
             while (left := self._steps_to(until)) > 0 and not (stop is not None and stop()):
                 since = time.perf_counter()
-                count = min(left, self._chunk)
-                self._run(count)
+                self._run(self._sleeping.left(self.step_count, min(left, self._chunk)))
+                self._sleeping.settle(self.step_count, self.dt)
                 spent = time.perf_counter() - since
                 if spent < PATIENCE:
                     self._chunk = min(2 * self._chunk, 1 << 20)
@@ -215,6 +215,7 @@ class Simulation:
             "precision": self.scene.run.precision,
             "features": [k for k, v in vars(self.features).items() if v],
             "stages": list(stage_names(self.features)),
+            **self._sleeping.facts(),
         }
 
     def _crew_size(self) -> int:
