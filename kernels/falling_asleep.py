@@ -81,7 +81,7 @@ def fall_asleep(gather: wp.Function, *, acted: bool) -> wp.Kernel:
         body = wp.tid()
         if bodies.sleep.asleep[body] != 0 or bodies.sleep.allowed[body] < real(0.0):
             return
-        force, torque, acting = gather(pairs, incidence, body)
+        force, torque, _acting = gather(pairs, incidence, body)
         bodies.sleep.force[body] = force
         bodies.sleep.torque[body] = torque
         momentum = bodies.momentum[body]
@@ -101,6 +101,31 @@ def fall_asleep(gather: wp.Function, *, acted: bool) -> wp.Kernel:
         bodies.sleep.asleep[body] = 1
 
     return fall_asleep
+
+
+@plain
+def deepen(
+    # in
+    anew: int,
+    pairs: Pairs,
+    incidence: Incidence,
+    # in and out
+    bodies: Bodies,
+):
+    """Find out whose pairs all stand still; where ``anew`` is 0, of those that did so before.
+
+    The sums of the wrenches of these must be up to date.
+    """
+    body = wp.tid()
+    if bodies.sleep.asleep[body] == 0 or (anew == 0 and bodies.sleep.deep[body] == 0):
+        return
+    deep = int(1)
+    first, others, count = pairs_of(incidence, body)
+    for k in range(count):
+        pair = pair_at(incidence, body, first, others, k) >> 1
+        if not stand_still(bodies.sleep, pairs.owner[pair], pairs.partner[pair]):
+            deep = 0
+    bodies.sleep.deep[body] = deep
 
 
 @plain

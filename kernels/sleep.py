@@ -9,6 +9,7 @@ a pile goes on through it, contact by contact. See falling_asleep.py for the way
 import functools
 
 import warp as wp
+from warpdem.kernels.incidence import pair_at, pairs_of
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Bonds, Geometry, Incidence, Joints, Pairs, Sleep
@@ -41,6 +42,23 @@ def time_slow(geometry: Geometry, bodies: Bodies, body: int, dt: real):
     bodies.sleep.slow[body] = slow
 
 
+@inlined()
+def stir(pairs: Pairs, incidence: Incidence, bodies: Bodies, body: int):
+    """Have all bodies in the pairs of one that wakes look at their forces.
+
+    Some look in this pass already and some in the next one, with the same outcome: forces change
+    later.
+    """
+    first, others, count = pairs_of(incidence, body)
+    for k in range(count):
+        code = pair_at(incidence, body, first, others, k)
+        if (code & 1) == 0:
+            bodies.sleep.deep[pairs.partner[code >> 1]] = 0
+        else:
+            bodies.sleep.deep[pairs.owner[code >> 1]] = 0
+    bodies.sleep.deep[body] = 0
+
+
 @functools.cache
 def dormancy(gather_all: wp.Function) -> wp.Function:
     """Function that says whether a body goes on sleeping, and wakes it where not.
@@ -61,7 +79,7 @@ def dormancy(gather_all: wp.Function) -> wp.Function:
     ) -> bool:
         if bodies.sleep.asleep[body] == 0:
             return False
-        if kicks != 0:
+        if kicks != 0 and bodies.sleep.deep[body] == 0:
             force, torque = gather_all(pairs, incidence, glue, joined, bodies, body)
             allowed = bodies.sleep.allowed[body]
             pushed = wp.length(force - bodies.sleep.force[body])
@@ -71,6 +89,7 @@ def dormancy(gather_all: wp.Function) -> wp.Function:
                 bodies.sleep.allowed[body] = real(-1.0)
                 bodies.sleep.slow[body] = real(0.0)
                 bodies.sleep.woken[body] = bodies.sleep.woken[body] + 1
+                stir(pairs, incidence, bodies, body)
                 return False
         return True
 

@@ -145,6 +145,9 @@ def sphere_forces(laws: Laws) -> wp.Kernel:
         body = wp.tid() + span[0]
         if body >= span[1] or clock.halted[0] != 0:
             return
+        if wp.static(laws.sleeps):
+            if bodies.sleep.deep[body] != 0:
+                return
         force = vec3()
         torque = vec3()
         for pair in range(owned_from(incidence, body), incidence.ends[body]):

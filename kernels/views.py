@@ -75,6 +75,7 @@ class Sleep:
     after: real  # for how long it is so before it falls asleep [s]
     tolerance: real  # change of the force that wakes it, over its weight or largest contact force
     asleep: wp.array(dtype=wp.int32)  # 1: it stands still; so do fixed bodies that nothing drives
+    deep: wp.array(dtype=wp.int32)  # 1: so do all bodies in its pairs, nothing need be looked at
     slow: wp.array(dtype=real)  # for how long it has been [s]
     # when it fell asleep: wrench of its contacts, and the change of the force that wakes it; this
     # is negative while it is awake

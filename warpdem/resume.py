@@ -94,6 +94,7 @@ def put_back(
     if bodies.sleep.asleep is not None:
         for name in SLEEP:
             getattr(bodies.sleep, name).assign(saved[f"sleep_{name}"])
+        bodies.sleep.deep.zero_()
     _restore_cell(state, saved, edges="cell_listed")
     state.drives.offset.assign(saved["drives_offset"])
     state.drives.turn.assign(saved["drives_turn"])

@@ -226,9 +226,8 @@ class Simulation:
         return max(1, min(most, self.body_count // CREW_BODIES))
 
     def _compile(self, progress: Callable[[str], None]) -> None:
-        self.compile_seconds = load(
-            self._model, self._state, self._lists, self._crews[-1][0], progress
-        )
+        share = self._crews[-1][0]
+        self.compile_seconds = load(self._model, self._state, self._lists, share, progress)
 
     def _make_stages(self) -> None:
         model, state, lists = self._model, self._state, self._lists

@@ -10,6 +10,7 @@ import warp as wp
 from warpdem.kernels.falling_asleep import (
     carry_wrenches,
     choose_sleepers,
+    deepen,
     end_powers,
     fall_asleep,
 )
@@ -43,6 +44,7 @@ def sleep_of(scene: Scene, features: Features, still: np.ndarray, device: Any) -
     count = len(still)
     sleep.asleep = wp.array(still.astype(np.int32), dtype=wp.int32, device=device)
     sleep.woken = wp.zeros(count, dtype=wp.int32, device=device)
+    sleep.deep = wp.zeros(count, dtype=wp.int32, device=device)
     sleep.slow = wp.zeros(count, dtype=real, device=device)
     sleep.taken = wp.zeros(count, dtype=real, device=device)
     sleep.allowed = wp.full(count, -1.0, dtype=real, device=device)
@@ -58,6 +60,7 @@ def sleep_kernels(features: Features) -> dict[str, wp.Kernel]:
     return {
         "choose sleepers": choose_sleepers,
         "fall asleep": _fall_asleep(features),
+        "deepen": deepen,
         "end powers": end_powers,
         "carry wrenches": _carry_wrenches(features),
     }
@@ -96,6 +99,7 @@ class Sleeping:
         self._launch(choose_sleepers, model.body_count, choice, moved)
         told = [*moved, state.account]
         self._launch(_fall_asleep(model.features), model.body_count, [model.inertia, *known], told)
+        self._launch(deepen, model.body_count, [1, *known], moved)
         if model.features.account and lists.pair_count:
             ended = [dt, lists.pairs, *moved]
             self._launch(end_powers, lists.pair_count, ended, [state.account])
@@ -118,30 +122,33 @@ class Sleeping:
 def keep_wrenches(model: Model, state: State, lists: Lists) -> Callable[[], None]:
     """Copy what pairs exert now; what is returned lays it into lists made since."""
     has, count, length = model.features, lists.pair_count, lists.candidate_count
-    if not (has.sleeps and count):
+    if not has.sleeps:
         return lambda: None
     old, before = Pairs(), Candidates()
     names = ["partner", "touching", "force", "torque_partner"]
     if not has.single:
-        names += ["torque"]
-        old.start = wp.clone(lists.pairs.start[: count + 1])
+        names += ["torque", "start"]
         for name in ("code", "which", "normal", "point", "gap"):
-            setattr(before, name, wp.clone(getattr(lists.candidates, name)[: max(length, 1)]))
+            setattr(before, name, _copy(getattr(lists.candidates, name), length))
     for name in names:
-        setattr(old, name, wp.clone(getattr(lists.pairs, name)[:count]))
+        setattr(old, name, _copy(getattr(lists.pairs, name), count))
     known = [wp.clone(lists.ends), old, before, wp.clone(state.account.pair), state.bodies]
 
     def carry() -> None:
-        outputs = [lists.pairs, lists.candidates, state.account]
+        now = [lists.pairs, lists.candidates, state.account]
+        kernel, device = _carry_wrenches(has), model.device
+        wp.launch(kernel, dim=lists.pair_count, inputs=known, outputs=now, device=device)
+        inputs = [0, lists.pairs, lists.incidence]
         wp.launch(
-            _carry_wrenches(has),
-            dim=lists.pair_count,
-            inputs=known,
-            outputs=outputs,
-            device=model.device,
+            deepen, dim=model.body_count, inputs=inputs, outputs=[state.bodies], device=device
         )
 
     return carry
+
+
+def _copy(values: Any, count: int) -> wp.array:
+    """Copy of the first ``count``, one at least."""
+    return wp.clone(values[: max(count, 1)])
 
 
 def note_of(scene: Scene) -> list[str]:
@@ -149,8 +156,9 @@ def note_of(scene: Scene) -> list[str]:
     if scene.run.sleep is None:
         return []
     chosen = scene.run.sleep
-    return [
+    note = (
         f"run.sleep neglects motion below {chosen.speed:.3g} m/s that lasts {chosen.after:.3g} s, "
         f"and changes of contact forces by less than {chosen.tolerance:.3g} of a body's weight or "
         "largest contact force; the kinetic energy it takes counts as lost in dashpots"
-    ]
+    )
+    return [note]

@@ -32,7 +32,7 @@ def rest_is_no_fall(scene: Any) -> Iterator[Fault]:
     vector = numbers(read(scene, "gravity"), "vector", 3) or [0.0, 0.0, -9.81]
     fastest = 0.5 * FALL * hypot(*vector) * (after or 0.0)
     if speed and fastest and speed > fastest:
-        rule = f"a body that begins to fall would sleep: at most {fastest:.3g} with this run.sleep.after"
+        rule = f"what begins to fall would sleep: at most {fastest:.3g} with this run.sleep.after"
         yield Fault(("run", "sleep", "speed"), speed, rule)
 
 
