@@ -17,7 +17,6 @@ from warpdem.kernels.falling_asleep import (
 from warpdem.kernels.integrate import gather
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Candidates, Pairs, Sleep
-from warpdem.stepper import BATCH
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,8 +27,8 @@ if TYPE_CHECKING:
     from warpdem.model import Model
     from warpdem.state import State
 
-# who falls asleep is asked after every so many steps: the first, and whole batches
-EVERY = 1 + 8 * BATCH
+# who falls asleep is asked after every so many steps: one, and whole batches of the stepper
+EVERY = 129
 # of a body, all that a run needs to go on
 KEPT = ("asleep", "slow", "force", "torque", "allowed", "woken", "taken")
 
