@@ -16,7 +16,7 @@ from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import total_of
 from warpdem.kernels.sleep import stand_still
 from warpdem.kernels.touching import find_touching, frequency
-from warpdem.kernels.variant import inlined, variant
+from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import (
     Account,
     Bodies,
@@ -129,7 +129,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         # out
         energy: Account,
     ):
-        pair = wp.tid() + span[0]
+        pair = place(wp.tid() + span[0])
         if pair >= span[1] or clock.halted[0] != 0:
             return
         start = pairs.start[pair]
@@ -140,8 +140,8 @@ def pair_forces(laws: Laws) -> wp.Kernel:
             end = pairs.start[pair + 1]
         if start == end:
             return
-        i = pairs.owner[pair]
-        j = pairs.partner[pair]
+        i = place(pairs.owner[pair])
+        j = place(pairs.partner[pair])
         if wp.static(laws.sleeps):
             if stand_still(bodies.sleep, i, j):
                 return
@@ -170,7 +170,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
                 # fmt: off
                 f, t, a, p = apply(
                     geometry, inertia, bodies, candidates, law, flow, i, j, d,
-                    candidates.which[slot], candidates.normal[slot], candidates.point[slot],
+                    place(candidates.which[slot]), candidates.normal[slot], candidates.point[slot],
                     -candidates.gap[slot], total, tau, beta, dt,
                 )
                 # fmt: on

@@ -16,7 +16,7 @@ from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.rotation import arc
 from warpdem.kernels.sleep import dormancy, time_slow
 from warpdem.kernels.surfaces import tilt
-from warpdem.kernels.variant import inlined, plain, variant
+from warpdem.kernels.variant import inlined, place, plain, variant
 from warpdem.kernels.views import (
     Account,
     Bodies,
@@ -116,7 +116,7 @@ def watching(*, paths: bool, surfaces: bool, turns: bool, deforming: bool) -> wp
         away = bodies.position[body] - bodies.listed_position[body]
         stretched = real(0.0)
         if wp.static(deforming):
-            # with F = H H_listed^-1 and u = x - F x_listed, d = u_i - u_j + F d_listed of all images
+            # F = H H_listed^-1 and u = x - F x_listed: d = u_i - u_j + F d_listed of all images
             listed = bodies.listed_position[body] - cell.centre[0]
             away = inside - cell.since[0] * listed
             stretched = cell.stretch[0] * (bound + reach)
@@ -183,7 +183,7 @@ def gather(*, summed: bool) -> wp.Function:
         force = incidence.own_force[body]
         torque = incidence.own_torque[body]
         for k in range(incidence.start[body], incidence.start[body + 1]):
-            pair = incidence.pair[k]
+            pair = place(incidence.pair[k])
             if pairs.touching[pair] > 0:
                 force -= pairs.force[pair]
                 torque += pairs.torque_partner[pair]
@@ -376,7 +376,7 @@ def advance(
         clock: Clock,
         energy: Account,
     ):
-        body = wp.tid() + span[0]
+        body = place(wp.tid() + span[0])
         if body >= span[1] or clock.halted[0] != 0:
             return
         inverse_mass = inertia.inverse_mass[body]

@@ -10,7 +10,7 @@ import warp as wp
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.neighbours import lower_bound
 from warpdem.kernels.precision import real, vec3, vec4
-from warpdem.kernels.variant import inlined, variant
+from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import Bodies, Candidates, Cell, Geometry, Pairs
 
 
@@ -59,7 +59,7 @@ def hand_over(gap_of: wp.Function, laws: Laws) -> wp.Function:
         for k in range(start, end):
             c = k
             if wp.static(laws.polyhedra):
-                c = candidates.hot[k]
+                c = place(candidates.hot[k])
             past = candidates.past[c]
             if past[3] <= real(-2.0):
                 hit = gap_of(geometry, bodies, i, j, d, real(0.0), candidates.code[c])

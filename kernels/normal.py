@@ -19,8 +19,8 @@ def hooke(k: real, d: real, tau: real, vn: real) -> real:
 def predicted_force(ahead: real, beta: real, before: real) -> real:
     """Spring and dashpot with vn predicted by the forces of the last pass; may pull [N].
 
-    ``ahead`` = k (d + tau vn_predicted), of which the contact's own part ``before`` is renewed: from
-    vn = vn_predicted + (before - f) beta / (k tau), f (1 + beta) = ahead + beta before.
+    ``ahead`` = k (d + tau vn_predicted), of which the contact's own part ``before`` is renewed:
+    from vn = vn_predicted + (before - f) beta / (k tau), f (1 + beta) = ahead + beta before.
     """
     return (ahead + beta * before) / (real(1.0) + beta)
 

@@ -11,7 +11,7 @@ import warp as wp
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.clearance import FAR, clearance
 from warpdem.kernels.precision import real
-from warpdem.kernels.variant import inlined, variant
+from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import Bodies, Candidates, Cell, Clock, Geometry, Pairs
 
 
@@ -43,11 +43,11 @@ def refresh(*, surfaces: bool, periodic: bool) -> wp.Kernel:
         pairs: Pairs,
         candidates: Candidates,
     ):
-        pair = wp.tid() + span[0]
+        pair = place(wp.tid() + span[0])
         if pair >= span[1] or clock.halted[0] != 0:
             return
-        i = pairs.owner[pair]
-        j = pairs.partner[pair]
+        i = place(pairs.owner[pair])
+        j = place(pairs.partner[pair])
         path = bodies.path[i] + bodies.path[j]
         if path < pairs.cold[pair]:
             return

@@ -17,7 +17,7 @@ from warpdem.kernels.narrow import FAR
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sleep import kept_wrench, stand_still
 from warpdem.kernels.touching import find_single, gaps
-from warpdem.kernels.variant import inlined, variant
+from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import (
     Account,
     Bodies,
@@ -34,7 +34,7 @@ from warpdem.kernels.views import (
 
 @functools.cache
 def single_dashpot(laws: Laws) -> wp.Function:
-    """Function of a single contact's dashpot: time tau [s] and implicit share beta, see forces.py."""
+    """Function of a single contact's dashpot: its time tau [s], its implicit share beta."""
 
     @inlined()
     def single_dashpot(inertia: Inertia, law: Material, i: int, j: int, dt: real):
@@ -72,7 +72,8 @@ def one_pair(laws: Laws) -> wp.Function:
         pair: int,
     ):
         """Force [N] and torque [N m] on the owner, about its centre."""
-        j = pairs.partner[pair]
+        pair = place(pair)
+        j = place(pairs.partner[pair])
         d = bodies.position[i] - bodies.position[j]
         if wp.static(laws.sleeps):
             if stand_still(bodies.sleep, i, j):
@@ -142,7 +143,7 @@ def sphere_forces(laws: Laws) -> wp.Kernel:
         incidence: Incidence,
         energy: Account,
     ):
-        body = wp.tid() + span[0]
+        body = place(wp.tid() + span[0])
         if body >= span[1] or clock.halted[0] != 0:
             return
         if wp.static(laws.sleeps):

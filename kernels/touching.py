@@ -10,7 +10,7 @@ from warpdem.kernels.narrow import feature_pair
 from warpdem.kernels.normal import pair_frequency
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import SHARES
-from warpdem.kernels.variant import inlined
+from warpdem.kernels.variant import inlined, place
 from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Material
 
 
@@ -44,7 +44,7 @@ def find_touching(laws: Laws) -> wp.Function:
         for k in range(start, end):
             c = k
             if wp.static(laws.polyhedra):
-                c = candidates.hot[k]
+                c = place(candidates.hot[k])
             hit = gap_of(geometry, bodies, i, j, d, margin, candidates.code[c])
             past = candidates.past[c]
             near = hit.gap < reach

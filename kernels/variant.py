@@ -14,3 +14,12 @@ fused = functools.partial(variant, module_options={"cpu_compiler_flags": _FUSED}
 plain = functools.partial(wp.kernel, enable_backward=False)
 # a function that takes views: out of line it would copy some kilobytes of them at every call
 inlined = functools.partial(wp.func, inline=True)
+
+
+@wp.func
+def place(index: int) -> int:
+    """An index that is never negative, and known to be: Warp's arrays would look at its sign.
+
+    From there on the compiler leaves that out wherever the index, or a sum of such, is used.
+    """
+    return wp.max(index, 0)

@@ -231,10 +231,10 @@ class Candidates:
 
 @wp.struct
 class Incidence:
-    """Pairs of each body, see incidence.py: as partner in CSR, as owner in the slices of the lists.
+    """Pairs of each body (incidence.py): as partner in CSR, as owner in the slices of the lists.
 
-    ``own_force`` and ``own_torque`` are the sums over the pairs it owns, where the pair kernel makes
-    them: for spheres.
+    ``own_force`` and ``own_torque`` are the sums over the pairs it owns, where the pair kernel
+    makes them: for spheres.
     """
 
     start: wp.array(dtype=wp.int32)

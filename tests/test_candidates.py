@@ -87,7 +87,9 @@ class World:
         )
         lists = Lists(model, state)
         lists.rebuild()
-        self.skin = lists.skin + model.reach
+        reach = state.bodies.reach.numpy()
+        assert (reach == reach[0]).all(), "at rest all have the same skin"
+        self.skin = 2.0 * reach[0] + model.reach
         start, code = lists.pairs.start.numpy(), lists.candidates.code.numpy()
         owner, partner = lists.pairs.owner.numpy(), lists.pairs.partner.numpy()
         self.codes = {

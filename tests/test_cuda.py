@@ -39,7 +39,7 @@ def _device():
 def test_every_kernel_compiles_for_cuda_without_a_device(scene, tmp_path):
     simulation = Simulation(load(SCENES / f"{scene}.toml"), device="cpu", threads=1)
     kernels = kernels_of(
-        simulation._model, simulation._state, simulation._lists, simulation._shares[0]
+        simulation._model, simulation._state, simulation._lists, simulation._crews[0][0]
     )
 
     for kernel in kernels.values():

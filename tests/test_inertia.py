@@ -213,10 +213,12 @@ def test_solids_that_are_not_convex_agree_with_points_at_random(name):
     assert square.sum() - square == pytest.approx(solid.inertia_over_mass, rel=0.03)
 
 
-def test_the_error_estimate_covers_a_tighter_quadrature(monkeypatch):
+def test_the_error_estimate_covers_a_tighter_quadrature(monkeypatch, tmp_path):
+    monkeypatch.setenv("WARPDEM_CACHE_PATH", str(tmp_path / "rough"))
     rng = np.random.default_rng(4)
     corners, faces = prism([[r * np.cos(t), r * np.sin(t)] for t, r in star(rng)], 0.8)
     rough = build(corners, faces, name="star", radius=0.1)
+    monkeypatch.setenv("WARPDEM_CACHE_PATH", str(tmp_path / "fine"))
     monkeypatch.setattr("warpdem.geometry.quadrature._SHARES", 20_000)
     fine = build(corners, faces, name="star", radius=0.1)
 

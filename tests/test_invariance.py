@@ -31,6 +31,7 @@ def test_collisions_of_free_bodies_conserve_momentum_to_rounding(seed):
 
 def test_two_host_threads_give_bitwise_the_result_of_one(monkeypatch):
     monkeypatch.setattr(warpdem.simulation, "CREW_BODIES", 2)
+    monkeypatch.setattr("warpdem.crews.WORTH", 1e9)  # two, though one be faster
     monkeypatch.setattr(warpdem.simulation.os, "cpu_count", lambda: 2)
     alone, together = (run(heap(1, 5), UNTIL, threads=threads) for threads in (1, 2))
     assert together.report()["threads"] == 2

@@ -5,6 +5,7 @@ import pytest
 
 from warpdem.errors import SceneError
 from warpdem.filling.clearance import Elements, Obstacle, distances
+from warpdem.filling.curve import along_curve
 from warpdem.filling.placement import place
 from warpdem.filling.scatter import lattice
 from warpdem.filling.sizes import drawn
@@ -106,6 +107,17 @@ def test_a_lattice_of_exactly_so_many_balls_holds_them():
     assert len(sites) == 10 * 7 * 3
     assert sites[1] - sites[0] == pytest.approx([0.1, 0.0, 0.0])
     assert np.all(sites.max(axis=0) <= np.array([0.95, 0.65, 0.25]) + 1e-12)
+
+
+def test_rounds_tried_together_give_the_places_of_rounds_one_by_one(monkeypatch):
+    size = {"kind": "power", "min": 0.2, "max": 1.0, "exponent": -2.0}
+    crowd = fill(count=900, size=size, must_fit=False)
+    together, _ = placed([CUBE], fill=[crowd])
+    monkeypatch.setattr("warpdem.filling.scatter._ROUNDS", 1)
+    one_by_one, _ = placed([CUBE], fill=[crowd])
+
+    assert np.array_equal(together.position, one_by_one.position)
+    assert np.array_equal(together.orientation, one_by_one.orientation)
 
 
 def test_a_random_fill_overlaps_nothing_and_stays_inside():
@@ -274,3 +286,18 @@ def test_principal_axes_are_the_nearest_ones():
 
     assert moments == pytest.approx([3.0, 1.0, 2.0])
     assert found == pytest.approx(axes)
+
+
+def test_neighbours_along_the_curve_are_neighbours_in_space():
+    places = np.random.default_rng(2).uniform(-3.0, 7.0, (4096, 3))
+    order = along_curve(places)
+    assert sorted(order) == list(range(4096))
+    step = np.linalg.norm(np.diff(places[order], axis=0), axis=1)
+    assert step.mean() < 0.2 * np.linalg.norm(np.diff(places, axis=0), axis=1).mean()
+
+
+def test_bodies_of_a_random_fill_are_numbered_along_the_curve():
+    placement, _ = placed([CUBE], fill=[fill(count=200)])
+    count = len(placement.position)
+    assert count > 100
+    assert list(along_curve(placement.position)) == list(range(count))

@@ -13,7 +13,7 @@ from warpdem.checks.timestep import masses
 from warpdem.device_forces import external_of
 from warpdem.device_shapes import shape_arrays
 from warpdem.drives import allocate_drives, gauges
-from warpdem.features import Features, large_bodies, ranks, surface_bodies
+from warpdem.features import Features, large_bodies, ranks, surface_bodies, tree_shapes
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Geometry, Inertia
 from warpdem.materials import materials
@@ -48,8 +48,8 @@ def build(
 ) -> tuple[Model, State]:
     """Model and state of a placed scene on a device."""
     shapes = list(polyhedra.values())
-    geometry, trees = shape_arrays(shapes, np.unique(placement.shape), device)
-    bound = np.array([shapes[k].bound for k in placement.shape]) * placement.scale
+    geometry, trees = shape_arrays(shapes, tree_shapes(placement, shapes), device)
+    bound = np.array([shape.bound for shape in shapes])[placement.shape] * placement.scale
     large = large_bodies(placement, shapes)
     surface = surface_bodies(placement, shapes)
     arms = _body_arrays(geometry, placement, shapes, bound, large, device)

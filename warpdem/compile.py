@@ -6,8 +6,6 @@ import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import warp as wp
-
 from warpdem.bonding import release_kernel
 from warpdem.kernels.bond_bound import bond_bound
 from warpdem.kernels.driving import wall_frequency
@@ -17,6 +15,7 @@ from warpdem.kernels.measures import frequency_bound
 from warpdem.kernels.neighbours import find_partners, incidence_keys
 from warpdem.kernels.sphere_forces import locate_contacts
 from warpdem.lists import history_kernel
+from warpdem.loading import load_kernels
 from warpdem.materials import try_custom_laws
 from warpdem.search import candidate_kernels
 from warpdem.sleeping import sleep_kernels
@@ -25,9 +24,15 @@ from warpdem.stages import advance, after_drift, cell_drift, cycle, laws
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    import warp as wp
+
     from warpdem.lists import Lists
     from warpdem.model import Model
     from warpdem.state import Share, State
+
+# kernels that take seconds to compile, and those of a module that every scene has and takes least
+SLOW = ("pair forces", "bond forces", "count candidates", "fill candidates")
+QUICK = ("halt", "orient")
 
 
 def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[str, wp.Kernel]:
@@ -86,11 +91,10 @@ def load(
     """
     begin = time.perf_counter()
     kernels = kernels_of(model, state, lists, share)
-    for number, (name, kernel) in enumerate(kernels.items(), 1):
-        progress(f"kernels {number}/{len(kernels)}: {name}")
-        try:
-            wp.load_module(kernel.module, device=model.device)
-        except Exception:  # Warp raises whatever its parser met
-            try_custom_laws(model.features.custom, model.device)
-            raise
+    ordered = sorted(kernels.items(), key=lambda named: (named[0] in QUICK, named[0] not in SLOW))
+    try:
+        load_kernels(ordered, model.device, progress)
+    except Exception:  # Warp raises whatever its parser met
+        try_custom_laws(model.features.custom, model.device)
+        raise
     return time.perf_counter() - begin

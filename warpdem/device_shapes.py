@@ -8,14 +8,13 @@ import numpy as np
 import warp as wp
 
 from warpdem.errors import CapacityError
-from warpdem.features import has_tree
 from warpdem.kernels.codes import BALL, CYLINDER, FEATURE_LIMIT, PLANE
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.views import Geometry
 from warpdem.model import on
 
 if TYPE_CHECKING:
-    from warpdem.arrays import FloatArray, IntArray
+    from warpdem.arrays import BoolArray, FloatArray, IntArray
     from warpdem.geometry.polyhedron import Polyhedron
 
 # neighbouring faces whose normals differ by less are one plane: they share one border half-space
@@ -26,9 +25,9 @@ SURFACES = {"plane": int(PLANE), "cylinder": int(CYLINDER), "ball": int(BALL)}
 
 
 def shape_arrays(
-    shapes: list[Polyhedron], used: IntArray, device: Any
+    shapes: list[Polyhedron], with_tree: BoolArray, device: Any
 ) -> tuple[Geometry, tuple[wp.Bvh, ...]]:
-    """Features of all shapes on a device, and the trees over the large ones in ``used``."""
+    """Features of all shapes on a device, and the trees over some, shape [shape_count]."""
     for shape in shapes:
         if max(len(shape.vertices), len(shape.edges), len(shape.face_offsets)) >= FEATURE_LIMIT:
             raise CapacityError(f'shape "{shape.name}" has more than {FEATURE_LIMIT} features')
@@ -43,11 +42,10 @@ def shape_arrays(
     geometry.surface_radius = on(device, np.array([a.radius if a else 0.0 for a in analytic]), real)
     ids = np.zeros(len(shapes), dtype=np.uint64)
     trees = []
-    for k in used:
-        if has_tree(shapes[k]):
-            tree = feature_tree(shapes[k], device)
-            trees.append(tree)
-            ids[k] = tree.id
+    for k in np.flatnonzero(with_tree):
+        tree = feature_tree(shapes[k], device)
+        trees.append(tree)
+        ids[k] = tree.id
     geometry.tree = on(device, ids, wp.uint64)
     return geometry, tuple(trees)
 

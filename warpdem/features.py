@@ -130,7 +130,7 @@ def features_of(
         two_sided=any(shape.two_sided and len(shape.face_offsets) > 0 for shape in used),
         cones=any(len(shape.cone_planes) > 0 for shape in used),
         surfaces=any(shape.analytic is not None for shape in used),
-        trees=any(has_tree(shape) for shape in used),
+        trees=bool(tree_shapes(placement, shapes).any()),
         large=bool((large_bodies(placement, shapes) & ~surface_bodies(placement, shapes)).any()),
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
         turns=_turns(scene, [shapes[k] for k in np.unique(placement.shape[free])]),
@@ -254,10 +254,24 @@ def _forces(scene: Scene) -> dict[str, Any]:
     }
 
 
-def has_tree(shape: Polyhedron) -> bool:
-    """Whether a shape is searched through a tree over its features."""
+def _many_features(shape: Polyhedron) -> bool:
     counts = len(shape.vertices), len(shape.edges), len(shape.face_offsets)
     return sum(counts) > TREE_FEATURES or max(counts) > TREE_KIND
+
+
+def tree_shapes(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
+    """Which shapes are searched through a tree over their features, shape [shape_count] bool.
+
+    Where some are, those of all large bodies too: a large body is the partner of any other, and the
+    other may have too many features to be searched one by one.
+    """
+    used = np.zeros(len(shapes), dtype=bool)
+    used[placement.shape] = True
+    tree = used & np.array([_many_features(shape) for shape in shapes], dtype=bool)
+    if tree.any():
+        large = large_bodies(placement, shapes) & ~surface_bodies(placement, shapes)
+        tree[placement.shape[large]] = True
+    return tree
 
 
 def surface_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
@@ -267,7 +281,7 @@ def surface_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray
 
 def large_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
     """Which bodies are too large for the grid, or analytic surfaces, shape [body_count] bool."""
-    bound = np.array([shapes[k].bound for k in placement.shape]) * placement.scale
+    bound = np.array([shape.bound for shape in shapes])[placement.shape] * placement.scale
     free = ~placement.fixed
     surface = surface_bodies(placement, shapes)
     if not free.any():
@@ -277,7 +291,7 @@ def large_bodies(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
 
 def ranks(placement: Placement, shapes: list[Polyhedron]) -> np.ndarray:
     """Rank of each body, shape [body_count]; of two bodies the lower one owns the pair."""
-    tree = np.array([has_tree(shape) for shape in shapes])[placement.shape]
+    tree = tree_shapes(placement, shapes)[placement.shape]
     # surfaces are the partner of all others
     surface = surface_bodies(placement, shapes)
     order = np.lexsort((np.arange(len(tree)), tree, large_bodies(placement, shapes), surface))

@@ -165,6 +165,7 @@ def test_energy_account_closes_with_friction_and_damping_under_stress_control():
 
 def test_threads_and_pauses_leave_no_trace_in_a_cell_under_control(monkeypatch):
     monkeypatch.setattr(warpdem.simulation, "CREW_BODIES", 2)
+    monkeypatch.setattr("warpdem.crews.WORTH", 1e9)  # two, though one be faster
     monkeypatch.setattr(warpdem.simulation.os, "cpu_count", lambda: 2)
     bodies = lattice(3, [0.7] * 3, seed=1, speed=0.2, jitter=1e-3, shapes=("ball", "cube"))
     built = scene(bodies, {**MIXED, "size": [0.9] * 3}, dt=5e-5)

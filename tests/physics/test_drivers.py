@@ -239,6 +239,7 @@ def test_driven_run_resumes_bitwise():
 
 def test_driven_run_is_the_same_for_two_threads(monkeypatch):
     monkeypatch.setattr("warpdem.simulation.CREW_BODIES", 2)
+    monkeypatch.setattr("warpdem.crews.WORTH", 1e9)  # two, though one be faster
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     drivers, bodies = everything()
     one, two = (start(drivers, bodies, threads=threads) for threads in (1, 2))

@@ -97,8 +97,13 @@ def test_followed_friction_keeps_its_length_and_lies_in_the_plane():
 
 
 def test_followed_friction_turns_with_the_spin_about_the_normal():
-    new = of(spun, vec3(2.0, 0.0, 0.0), UP, 0.3)
-    assert new == pytest.approx([2.0 * np.cos(0.3), 2.0 * np.sin(0.3), 0.0])
+    for angle in (0.3, 3e-3):
+        new = of(spun, vec3(2.0, 0.0, 0.5), UP, angle)
+        turned = np.arctan2(new[1], new[0])
+        assert np.hypot(new[0], new[1]) == pytest.approx(2.0, rel=1e-15)
+        assert new[2] == 0.5
+        assert turned == pytest.approx(2.0 * np.arctan(0.5 * angle), rel=1e-12)
+        assert abs(turned - angle) < angle**3 / 11.0
 
 
 def test_friction_along_the_normal_is_forgotten():

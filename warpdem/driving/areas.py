@@ -68,11 +68,10 @@ def _area(
 ) -> tuple[Area | None, str]:
     """The area between the walls that a driver names, or what is wrong with them."""
     assert driver.between
-    number = {name: k for k, name in enumerate(placement.names)}
     along = AXIS[driver.axis]
     found = []
     for pair in driver.between:
-        first, second = (number[name] for name in pair)
+        first, second = (placement.number[name] for name in pair)
         apart = placement.position[second] - placement.position[first]
         axis = int(np.argmax(np.where(np.arange(3) == along, -1.0, np.abs(apart))))
         low, high = (first, second) if apart[axis] > 0.0 else (second, first)

@@ -113,10 +113,9 @@ def plan_of(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedr
         SceneError: A table cannot be read, an expression is not finite within the run, or a wall
             has no mass or no area; carries all.
     """
-    number = {name: k for k, name in enumerate(placement.names)}
     own = placement.fixed & (placement.velocity.any(axis=1) | placement.spin.any(axis=1))
     bodies = np.union1d(np.flatnonzero(own), listed_bodies(scene, placement))
-    place = {name: int(np.searchsorted(bodies, number[name])) for name in _names(scene)}
+    place = {name: int(np.searchsorted(bodies, placement.number[name])) for name in _names(scene)}
     problems: list[Problem] = []
     imposed: list[Imposed] = []
     for index, driver in enumerate(scene.driver):
@@ -163,8 +162,7 @@ def listed_bodies(scene: Scene, placement: Placement) -> IntArray:
     """Numbers of the bodies that a [[driver]] moves, rising."""
     if not scene.driver:
         return np.zeros(0, np.int64)
-    number = {name: k for k, name in enumerate(placement.names)}
-    return np.array(sorted(number[name] for name in _names(scene)), np.int64)
+    return np.array(sorted(placement.number[name] for name in _names(scene)), np.int64)
 
 
 def _names(scene: Scene) -> dict[str, None]:

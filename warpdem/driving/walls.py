@@ -172,15 +172,14 @@ def _all_pushes(
     place: Mapping[str, int],
 ) -> Iterator[Push]:
     """What the drivers impose on their bodies, in the order of the scene."""
-    number = {name: k for k, name in enumerate(placement.names)}
     for index, driver in enumerate(scene.driver):
         if not isinstance(driver, ControlDriver | PressureDriver):
             continue
         for name in driver.bodies:
-            mass, moments = _inertia(placement, polyhedra, number[name], driver.mass)
+            mass, moments = _inertia(placement, polyhedra, placement.number[name], driver.mass)
             common: dict[str, Any] = {
                 "index": index,
-                "body": number[name],
+                "body": placement.number[name],
                 "place": place[name],
                 "start": driver.start,
                 "stop": inf if driver.stop is None else driver.stop,

@@ -48,6 +48,8 @@ class BallGrid:
         """Numbers of a point and of a ball that may be within its reach, by point."""
         cell = self._cell_of(points)
         point = np.flatnonzero(((cell >= 0) & (cell < self._shape)).all(axis=1))
+        if not len(point):
+            return point, point
         key = self._key(cell[point])
         begin, count = self._start[key], self._start[key + 1] - self._start[key]
         slot = np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())

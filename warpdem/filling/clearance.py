@@ -80,6 +80,10 @@ class Obstacle:
     orientation: FloatArray
     scale: float
 
+    @cached_property
+    def _turn(self) -> FloatArray:
+        return matrix(self.orientation)
+
     def touched(self, centres: FloatArray, radii: FloatArray) -> BoolArray:
         """Balls that meet the rounded solid, lie inside it, or lie below a terrain.
 
@@ -87,14 +91,18 @@ class Obstacle:
             centres: World [m], shape [ball_count, 3].
             radii: [m], shape [ball_count].
         """
-        points = (centres - self.position) @ matrix(self.orientation) / self.scale
+        points = (centres - self.position) @ self._turn / self.scale
         reach = radii / self.scale + self.shape.radius
         box = (points + reach[:, None] > self.shape.core_min).all(axis=1)
         box &= (points - reach[:, None] < self.shape.core_max).all(axis=1)
+        near = np.flatnonzero(box)
         touched = np.zeros(len(centres), bool)
-        touched[box] = self.elements.touched(points[box], reach[box])
+        if len(near):
+            touched[near] = self.elements.touched(points[near], reach[near])
         if self.shape.closed:
-            touched[box] |= self.elements.covers(points[box]) % 2 == 1
+            inside = near[~touched[near]]
+            if len(inside):
+                touched[inside] = self.elements.covers(points[inside]) % 2 == 1
         elif self.shape.terrain:
             touched |= self.elements.covers(points) > 0
         return touched

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpdem.filling.curve import along_curve
 from warpdem.filling.scatter import lattice, random_places
 from warpdem.filling.sizes import drawn, largest
 from warpdem.geometry.orientation import IDENTITY, product, random_orientations
@@ -69,6 +70,7 @@ def filled(
     if fill.kind == "random":
         position, placed = random_places(generator, low, high, radius, blocked, repeat)
         chosen = np.flatnonzero(placed)
+        chosen = chosen[along_curve(position[chosen])]
         position = position[chosen]
     else:
         if fill.count is not None and count:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,6 +61,11 @@ class Placement:
     names: tuple[str, ...]
     groups: tuple[str, ...]
     notes: tuple[str, ...]
+
+    @cached_property
+    def number(self) -> dict[str, int]:
+        """Number of each body by its name."""
+        return {name: body for body, name in enumerate(self.names)}
 
 
 def place(scene: Scene, shapes: Mapping[str, Polyhedron]) -> Placement:
@@ -246,5 +252,7 @@ class _Blocked:
         blocked = self._balls.touched(centres, radii, self._reach)
         for obstacle in self._obstacles:
             free = np.flatnonzero(~blocked)
+            if not len(free):
+                break
             blocked[free] = obstacle.touched(centres[free], radii[free])
         return blocked

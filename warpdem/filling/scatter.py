@@ -21,6 +21,7 @@ _APART = 1.0 + 1e-9  # balls that would just touch keep apart by rounding
 _TRIES_A_ROUND = 4
 _TRIES = 100  # random places a ball may try on the average
 _BATCH = 4000  # places tried at once at least
+_ROUNDS = 256  # looked at together at most
 
 
 class Balls:
@@ -60,6 +61,8 @@ class _Layer:
             reach = (self.radii + largest) * _APART
             self._grid = largest, BallGrid(self.centres, reach)
         ball, mine = self._grid[1].near(centres)
+        if not len(ball):
+            return np.zeros(len(radii), bool)
         apart = centres[ball] - self.centres[mine]
         square = np.einsum("ij,ij->i", apart, apart)
         touched = np.zeros(len(radii), bool)
@@ -143,19 +146,36 @@ def random_places(
     fits = (2.0 * radii <= room.min()) & repeat.wide_enough(radii)
     order = np.argsort(-radii, kind="stable")
     order = order[fits[order]]
-    balls = Balls()
+    balls, draws = Balls(), _Draws(generator)
     # balls of a size within a factor two take their turn together
     octave = np.floor(np.log2(radii[order] / radii[order].max(initial=1e-300)))
     for group in np.split(order, np.flatnonzero(np.diff(octave)) + 1):
         region, result = (low, high, inset), (centres, placed)
-        _scatter(
-            generator, region, radii, group, repeat, result=result, balls=balls, blocked=blocked
-        )
+        _scatter(draws, region, radii, group, repeat, result=result, balls=balls, blocked=blocked)
     return centres, placed
 
 
+class _Draws:
+    """Numbers drawn evenly from 0 to 1, of which some may be put back."""
+
+    def __init__(self, generator: np.random.Generator) -> None:
+        self._generator = generator
+        self._kept = np.zeros(0)
+
+    def take(self, count: int) -> FloatArray:
+        """The next numbers, shape [count]."""
+        lacking = max(0, count - len(self._kept))
+        row = np.concatenate([self._kept, self._generator.random(lacking)])
+        self._kept = row[count:]
+        return row[:count]
+
+    def put_back(self, numbers: FloatArray) -> None:
+        """Make numbers the next ones again."""
+        self._kept = np.concatenate([numbers, self._kept])
+
+
 def _scatter(
-    generator: np.random.Generator,
+    draws: _Draws,
     box: tuple[FloatArray, FloatArray, FloatArray],
     radii: FloatArray,
     group: IntArray,
@@ -165,28 +185,45 @@ def _scatter(
     balls: Balls,
     blocked: Blocked,
 ) -> None:
-    """Place the balls in ``group``, in rounds."""
+    """Place the balls in ``group``, in rounds; several at once while none finds a place."""
     centres, placed = result
     budget = _TRIES * len(group)
     largest = float(radii[group].max(initial=0.0))
+    rounds = 1
     while len(group) and budget > 0:
-        share = min(_BATCH // len(group), budget // len(group), _TRIES_A_ROUND)
-        tries = np.repeat(group, max(1, share))
-        budget -= len(tries)
+        share = max(1, min(_BATCH // len(group), budget // len(group), _TRIES_A_ROUND))
+        tries = np.repeat(group, share)
+        rounds = max(1, min(rounds, _ROUNDS, _BATCH // len(tries), budget // len(tries)))
         reach = radii[tries]
         inset = reach[:, None] * box[2]
         low, high = box[0] + inset, box[1] - inset
-        where = low + generator.random((len(tries), 3)) * (high - low)
+        drawn = draws.take(3 * rounds * len(tries))
+        where = (low + drawn.reshape(rounds, -1, 3) * (high - low)).reshape(-1, 3)
+        reach = np.tile(reach, rounds)
+        # one bound for all rounds, that the grids of the balls need not be made anew
         met = repeat.touched(lambda c, r: balls.touched(c, r, largest), where, reach)
         free = np.flatnonzero(~met)
         free = free[~repeat.touched(blocked, where[free], reach[free])]
-        _, first = np.unique(tries[free], return_index=True)
-        free = free[np.sort(first)]
-        free = free[_undisputed(where[free], reach[free], repeat)]
-        chosen = tries[free]
+        # the first round that finds a place ends them: the others are drawn again
+        whole = free[0] // len(tries) + 1 if len(free) else rounds
+        draws.put_back(drawn[3 * whole * len(tries) :])
+        budget -= whole * len(tries)
+        rounds = whole if len(free) else 2 * rounds
+        free = free[free < whole * len(tries)]
+        free = _winners(free, tries[free % len(tries)], where, reach, repeat)
+        chosen = tries[free % len(tries)]
         centres[chosen], placed[chosen] = where[free], True
         balls.add(where[free], reach[free])
         group = group[~placed[group]]
+
+
+def _winners(
+    free: IntArray, ball: IntArray, where: FloatArray, reach: FloatArray, repeat: Repeat
+) -> IntArray:
+    """Those of a round's free places that are the first of their ball and meet none before them."""
+    _, first = np.unique(ball, return_index=True)
+    free = free[np.sort(first)]
+    return free[_undisputed(where[free], reach[free], repeat)]
 
 
 def _undisputed(centres: FloatArray, radii: FloatArray, repeat: Repeat) -> BoolArray:

@@ -24,6 +24,7 @@ from warpdem.geometry.moments import MassProperties
 from warpdem.geometry.orientation import from_matrix, principal_axes
 from warpdem.geometry.polygon import triangulated
 from warpdem.geometry.quadrature import overlapping_properties
+from warpdem.geometry.remembered import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -237,7 +238,7 @@ def _mass(
         return solid_properties(core, radius) if core.closed or radius > 0.0 else None
     if not core.closed and (radius == 0.0 or core.facets.count > _OPEN or _is_crowded(core)):
         return None
-    return overlapping_properties(core, radius)
+    return remembered(overlapping_properties, core, radius)
 
 
 def _is_crowded(core: Core) -> bool:

@@ -21,6 +21,7 @@ from warpdem.kernels.fall_views import Flights as Slots
 from warpdem.kernels.launching import begin, pack
 from warpdem.kernels.precision import quat, real, vec3
 from warpdem.kernels.trajectory import advance
+from warpdem.loading import load_kernels
 from warpdem.rockfall.device import TRAVEL_CELLS, place_of
 from warpdem.rockfall.endings import Endings
 from warpdem.rockfall.flights import COUNTS, MEASURES, Fate
@@ -100,8 +101,8 @@ class Trajectories:
 
     def load(self) -> None:
         """Load the kernels, compiling what the cache lacks."""
-        for kernel in self.kernels():
-            wp.load_module(kernel.module, device=self.device)
+        slow_first = (self._advance, *reversed(self.kernels()))
+        load_kernels(((kernel.key, kernel) for kernel in slow_first), self.device)
 
     def kernels(self) -> list[wp.Kernel]:
         """The kernels that trajectories over this site launch."""
