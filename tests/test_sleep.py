@@ -245,7 +245,8 @@ body = [{shape = "ball", position = [0.0, 0.0, 0.0], density = 1.0}]
     [
         ("run.sleep.speed=0.1", "would sleep: at most 0.0245"),
         ("run.method=nonsmooth", 'only with run.method = "smooth"'),
-        ("cell={periodic=[true,true,true],size=[2.0,2.0,2.0]}", r"not in a periodic cell"),
+        ("cell={periodic=[true,true,true],size=[2.0,2.0,2.0]}", "not in a periodic cell"),
+        ("bond=[{}]", "not with bonds"),
     ],
 )
 def test_sleep_is_refused_where_it_would_be_wrong(override, rule):
