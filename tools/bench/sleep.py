@@ -2,10 +2,10 @@
 
     python tools/bench/sleep.py [--sphere 10] [--cube 7] [--intervals 10] [--hits 3]
 
-Piles of so many spheres or cubes of .1 m a side of a box come to rest for 1.5 s. Then a driven ball
-goes to and fro in a corner of the surface: each interval of .04 s is run with and without sleep in
-turn, on one thread; medians. Then a ball of 30 kg is thrown up from 1 m and falls on the middle of a
-pile of 5 x 5 x 4 balls at rest, so many piles: height and losses with sleep, less those without.
+Piles of so many spheres or cubes of .1 m a side of a box come to rest. Then a driven ball pushes
+two loose bodies about on them: each interval of .04 s is run with and without sleep in turn, on one
+thread; medians. Then a ball of 30 kg is thrown up from 1 m and falls on the middle of a pile of
+5 x 5 x 4 balls at rest, so many piles: height and losses with sleep, less those without.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from warpdem.input.scene import Scene
 from warpdem.simulation import Simulation
 
 SIZE = 0.1
-QUIET, INTERVAL = 1.5, 0.04
+QUIET, INTERVAL = 1.0, 0.04
 LAW = {"groups": ["default", "default"], "kn": 1e6, "kt": 8e5, "mu": 0.4, "en2": 0.1}
 BALL = {"kind": "sphere", "name": "sphere", "radius": 0.5 * SIZE}
 CUBE = {"kind": "box", "name": "cube", "size": [SIZE] * 3, "rounding": 0.05 * SIZE}
@@ -80,18 +80,21 @@ def simulation(
 def stirred(shape: str, side: int, intervals: int) -> None:
     """Print the time of a step with and without sleep."""
     width = 1.02 * SIZE * side + 0.01 * SIZE
-    corner = 0.5 * width - SIZE
+    bodies, top = settled(shape, side, width)
+    end = 0.5 * width - SIZE
+    loose = [
+        {**bodies[0], "position": [end - 1.6 * SIZE * k, end, top + 0.51 * SIZE]} for k in (1, 2)
+    ]
     stirrer = {"shape": "stirrer", "name": "stirrer", "fixed": True}
-    bodies = [*pile(shape, (side,) * 3), *box(width)]
+    # clear of the pile, not of what lies on it
+    bodies += [*loose, {**stirrer, "position": [end, end, top + 0.9 * SIZE]}, *box(width)]
     sweep = {
         "kind": "sine",
         "bodies": ["stirrer"],
-        "translation": [-1.5 * SIZE, 0.0, -1.2 * SIZE],
+        "translation": [-2.0 * SIZE, 0.0, 0.0],
         "frequency": 1.0,
         "start": QUIET + INTERVAL,
     }
-    above = 1.02 * SIZE * side + 0.8 * SIZE
-    bodies.append({**stirrer, "position": [corner, corner, above]})
     both = [simulation(bodies, sleep, [sweep]) for sleep in (None, SLEEP)]
     for each in both:
         each.advance(QUIET)
@@ -100,11 +103,22 @@ def stirred(shape: str, side: int, intervals: int) -> None:
     spent = paired(both, QUIET + INTERVAL, intervals)
     report = both[1].report()
     print(
-        f"| {shape} | {side**3} | {quiet} | {report['asleep']} | {report['woken']} "
+        f"| {shape} | {side**3 + 2} | {quiet} | {report['asleep']} | {report['woken']} "
         f"| {1e6 * np.median(spent[:, 0]):.0f} | {1e6 * np.median(spent[:, 1]):.0f} "
         f"| {np.median(spent[:, 0] / spent[:, 1]):.2f} | {rest[0, 0] / rest[0, 1]:.2f} |",
         flush=True,
     )
+
+
+def settled(shape: str, side: int, width: float) -> tuple[list[dict[str, Any]], float]:
+    """The pile come to rest, and the height of its surface."""
+    bodies = pile(shape, (side,) * 3)
+    lying = simulation([*bodies, *box(width)], None)
+    lying.advance(QUIET)
+    now = lying.snapshot()
+    top = float(now.position[: side**3, 2].max()) + 0.5 * SIZE
+    places = zip(bodies, now.position, now.orientation, strict=False)
+    return [{**body, "position": x, "orientation": q} for body, x, q in places], top
 
 
 def paired(both: list[Simulation], start: float, intervals: int) -> np.ndarray:
