@@ -20,7 +20,7 @@ from warpdem.input.scene import Scene
 from warpdem.simulation import Simulation
 
 SIZE = 0.1
-QUIET, INTERVAL = 1.0, 0.04
+QUIET, INTERVAL = 2.0, 0.04
 LAW = {"groups": ["default", "default"], "kn": 1e6, "kt": 8e5, "mu": 0.4, "en2": 0.1}
 BALL = {"kind": "sphere", "name": "sphere", "radius": 0.5 * SIZE}
 CUBE = {"kind": "box", "name": "cube", "size": [SIZE] * 3, "rounding": 0.05 * SIZE}
@@ -197,7 +197,8 @@ def main() -> None:
             stirred(shape, side, asked.intervals)
     print("\n| change | mean height / size | ball / size | lost | balance | asleep | woken |")
     print("|---|---|---|---|---|---|---|")
-    hit(asked.hits)
+    if asked.hits:
+        hit(asked.hits)
 
 
 if __name__ == "__main__":
