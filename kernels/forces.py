@@ -14,6 +14,7 @@ from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import total_of
+from warpdem.kernels.sleep import stand_still
 from warpdem.kernels.touching import find_touching, frequency
 from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import (
@@ -141,6 +142,9 @@ def pair_forces(laws: Laws) -> wp.Kernel:
             return
         i = place(pairs.owner[pair])
         j = place(pairs.partner[pair])
+        if wp.static(laws.sleeps):
+            if stand_still(bodies.sleep, i, j):
+                return
         d = bodies.position[i] - bodies.position[j]
         flow = Flow()
         if wp.static(laws.periodic):

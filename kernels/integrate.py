@@ -14,6 +14,7 @@ from warpdem.kernels.external import Forces, external_forces
 from warpdem.kernels.incidence import pair_at, pairs_of
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.rotation import arc
+from warpdem.kernels.sleep import dormancy, time_slow
 from warpdem.kernels.surfaces import tilt
 from warpdem.kernels.variant import inlined, place, plain, variant
 from warpdem.kernels.views import (
@@ -238,6 +239,7 @@ class Motion(NamedTuple):
     surfaces: bool  # some surface is driven
     work: bool  # account is kept of the work of all
     deforming: bool
+    sleeps: bool  # bodies at rest may sleep
 
 
 @functools.cache
@@ -345,6 +347,7 @@ def advance(
     gather_all = gathering(motion)
     drive = driving(motion)
     act = external_forces(forces)
+    dormant = dormancy(gather_all)
     watch = watching(
         paths=motion.paths,
         surfaces=motion.surfaces,
@@ -390,6 +393,9 @@ def advance(
                 )
                 # fmt: on
             return
+        if wp.static(motion.sleeps):
+            if dormant(geometry, pairs, incidence, glue, joined, bodies, body, kicks):
+                return
         half = real(0.5) * dt
         momentum = bodies.momentum[body]
         spun = bodies.angular_momentum[body]
@@ -450,6 +456,8 @@ def advance(
                 bodies.velocity_end[body] = velocity + force * (half * inverse_mass)
             if wp.static(motion.ending_spins):
                 bodies.spin_end[body] = spin + ahead
+            if wp.static(motion.sleeps):
+                time_slow(geometry, bodies, body, dt)
             watched = dt
             if wp.static(not motion.contacts):
                 watched = real(0.0)

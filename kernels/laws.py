@@ -43,3 +43,4 @@ class Laws(NamedTuple):
     periodic: bool  # pairs with images
     deforming: bool  # images that move against one another
     account: bool  # energy bookkeeping
+    sleeps: bool  # bodies at rest may sleep, see sleep.py

@@ -15,6 +15,7 @@ from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.narrow import FAR
 from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.sleep import kept_wrench, stand_still
 from warpdem.kernels.touching import find_single, gaps
 from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import (
@@ -74,6 +75,10 @@ def one_pair(laws: Laws) -> wp.Function:
         pair = place(pair)
         j = place(pairs.partner[pair])
         d = bodies.position[i] - bodies.position[j]
+        if wp.static(laws.sleeps):
+            if stand_still(bodies.sleep, i, j):
+                f, t = kept_wrench(pairs, pair, d)
+                return f, t
         flow = Flow()
         if wp.static(laws.periodic):
             image = real_vector(pairs.image[pair])
@@ -141,6 +146,9 @@ def sphere_forces(laws: Laws) -> wp.Kernel:
         body = place(wp.tid() + span[0])
         if body >= span[1] or clock.halted[0] != 0:
             return
+        if wp.static(laws.sleeps):
+            if bodies.sleep.deep[body] != 0:
+                return
         force = vec3()
         torque = vec3()
         for pair in range(owned_from(incidence, body), incidence.ends[body]):

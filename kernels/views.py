@@ -65,6 +65,28 @@ class Inertia:
 
 
 @wp.struct
+class Sleep:
+    """Bodies that stand still until the wrench of their contacts changes, see sleep.py.
+
+    Arrays are those of bodies; there are none where nothing may sleep.
+    """
+
+    speed: real  # of the farthest point, below which a body is slow [m/s]
+    after: real  # for how long it is so before it falls asleep [s]
+    tolerance: real  # change of the force that wakes it, over its weight or largest contact force
+    asleep: wp.array(dtype=wp.int32)  # 1: it stands still; so do fixed bodies that nothing drives
+    deep: wp.array(dtype=wp.int32)  # 1: so do all bodies in its pairs, nothing need be looked at
+    slow: wp.array(dtype=real)  # for how long it has been [s]
+    # when it fell asleep: wrench of its contacts, and the change of the force that wakes it; this
+    # is negative while it is awake
+    force: wp.array(dtype=vec3)
+    torque: wp.array(dtype=vec3)
+    allowed: wp.array(dtype=real)
+    woken: wp.array(dtype=wp.int32)  # how often it was
+    taken: wp.array(dtype=real)  # kinetic energy that it lost by falling asleep [J]
+
+
+@wp.struct
 class Bodies:
     """State of the bodies."""
 
@@ -88,6 +110,7 @@ class Bodies:
     # where the lists were made
     listed_position: wp.array(dtype=vec3)
     listed_orientation: wp.array(dtype=quat)
+    sleep: Sleep
 
 
 @wp.struct

@@ -32,6 +32,7 @@ DEVICE_SIDE = {
     "resume",
     "search",
     "simulation",
+    "sleeping",
     "stages",
     "state",
     "step_bound",

@@ -19,6 +19,7 @@ from warpdem.kernels.views import Geometry, Inertia
 from warpdem.materials import materials
 from warpdem.model import Model, on
 from warpdem.periodic import cell_of
+from warpdem.sleeping import sleep_of
 from warpdem.state import State, allocate_state
 
 if TYPE_CHECKING:
@@ -80,6 +81,8 @@ def build(
     )
     cell = cell_of(scene, placement, polyhedra, features, device)
     state = allocate_state(device, features, len(mass), arms, cell)
+    still = placement.fixed & (model.inertia.driven.numpy() == 0)
+    state.bodies.sleep = sleep_of(scene, features, still, device)
     drives = allocate_drives(device, plan, features, state.clock)
     state = replace(state, drives=drives)
     _start(state, placement, mass, moment)

@@ -18,6 +18,7 @@ from warpdem.lists import history_kernel
 from warpdem.loading import load_kernels
 from warpdem.materials import try_custom_laws
 from warpdem.search import candidate_kernels
+from warpdem.sleeping import sleep_kernels
 from warpdem.stages import advance, after_drift, cell_drift, cycle, laws
 
 if TYPE_CHECKING:
@@ -66,6 +67,7 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
         kernels["locate"] = locate_contacts(laws(has))
     kernels["history"] = history_kernel(has)
     kernels["incidence"] = incidence_keys
+    kernels |= sleep_kernels(has)
     kernels["measures"] = frequency_bound(has.partnership, periodic=has.periodic)
     if has.controlled:
         kernels["wall measures"] = wall_frequency

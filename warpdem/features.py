@@ -82,6 +82,7 @@ class Features:
     bond_damping: bool
     bond_moments: bool
     bond_creep: bool
+    sleeps: bool
 
     @property
     def braking(self) -> bool:
@@ -156,6 +157,7 @@ def features_of(
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
         turns=_turns(scene, [shapes[k] for k in np.unique(placement.shape[free])]),
         account=scene.output.energy,
+        sleeps=contacts and scene.run.sleep is not None,
         **_drivers(scene, moving=bool(moving.any())),
         **_cell(scene),
         **_bonds(scene),

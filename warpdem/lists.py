@@ -20,6 +20,7 @@ from warpdem.kernels.sphere_forces import locate_contacts
 from warpdem.kernels.views import Bonds, Candidates, Incidence, Pairs
 from warpdem.memory import grid_side, grown
 from warpdem.search import Search
+from warpdem.sleeping import keep_wrenches
 from warpdem.stages import laws
 
 if TYPE_CHECKING:
@@ -91,6 +92,7 @@ class Lists:
         if self._model.features.deforming:
             shorten(state, self.pairs, self.pair_count, self._model.periodic)
             wp.copy(state.cell.listed, state.cell.edges)
+        carry_wrenches = keep_wrenches(self._model, state, self)
         self.settle()
         old = self._keep_old()
         if not again:
@@ -102,6 +104,7 @@ class Lists:
             self.pairs, self.pair_count, self.candidates, self._grow_candidates
         )
         self._carry(old)
+        carry_wrenches()
         state.bodies.path.zero_()
         state.clock.moved.zero_()
         state.clock.halted.zero_()

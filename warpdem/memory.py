@@ -105,6 +105,9 @@ ARRAYS = (
     *_each("bodies", "body", "int", "braked", "braking"),
     *_each("bodies", "body", "real", "path", "hot_lists"),
     *_each("bodies", "vertex", "vec3", "arm"),
+    *_each("sleep", "body", "int", "asleep woken deep", "sleeps"),
+    *_each("sleep", "body", "real", "slow taken allowed", "sleeps"),
+    *_each("sleep", "body", "vec3", "force torque", "sleeps"),
     *_each("account", "body", "real", "body_power work", "works"),
     *_each("account", "pair", "vec4", "pair power", "account"),
     # what does not

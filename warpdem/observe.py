@@ -200,6 +200,8 @@ def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -
     lost = lists.spent + lists.since() - 0.5 * dt * lists.power()
     bond, dashpot, broken = state.bonding.energies() if state.bonding else (0.0, 0.0, 0.0)
     lost[0] += dashpot
+    if model.features.sleeps:
+        lost[0] += state.bodies.sleep.taken.numpy().sum()
     stored = kinetic + potential + elastic + bond
     work, external = _works(model, state)
     place, _ = slots(lists)

@@ -9,6 +9,7 @@ import warp as wp
 
 from warpdem.observe import slots
 from warpdem.periodic import KEPT
+from warpdem.sleeping import KEPT as SLEEP
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,6 +48,9 @@ def arrays(state: State, lists: Lists) -> dict[str, np.ndarray]:
     saved = {name: getattr(state.bodies, name).numpy().copy() for name in BODIES}
     if state.cell.edges is not None:
         saved |= {f"cell_{name}": getattr(state.cell, name).numpy().copy() for name in KEPT}
+    if state.bodies.sleep.asleep is not None:
+        sleep = state.bodies.sleep
+        saved |= {f"sleep_{name}": getattr(sleep, name).numpy().copy() for name in SLEEP}
     saved["drives_offset"] = state.drives.offset.numpy().copy()
     saved["drives_turn"] = state.drives.turn.numpy().copy()
     saved["work"] = state.account.work.numpy().copy()
@@ -87,6 +91,10 @@ def put_back(
     bodies = state.bodies
     for name in BODIES:
         getattr(bodies, name).assign(saved[name])
+    if bodies.sleep.asleep is not None:
+        for name in SLEEP:
+            getattr(bodies.sleep, name).assign(saved[f"sleep_{name}"])
+        bodies.sleep.deep.zero_()
     _restore_cell(state, saved, edges="cell_listed")
     state.drives.offset.assign(saved["drives_offset"])
     state.drives.turn.assign(saved["drives_turn"])

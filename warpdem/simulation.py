@@ -26,6 +26,7 @@ from warpdem.filling.placement import place
 from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.integrate import orient
 from warpdem.lists import Lists
+from warpdem.sleeping import Sleeping, note_of
 from warpdem.stages import (
     Stage,
     acting,
@@ -95,7 +96,7 @@ class Simulation:
         self.features = features_of(*placed)
         interfaces = bonds_of(*placed)
         step = automatic_step(*placed, interfaces)
-        self.notes = [*self.placement.notes, *filter(None, [step.message])]
+        self.notes = [*self.placement.notes, *note_of(scene), *filter(None, [step.message])]
         self.dt = self._next_dt = step.dt
         self.device = find_device(device or scene.run.device)
         self._threads = threads or os.cpu_count() or 1
@@ -106,6 +107,7 @@ class Simulation:
         )
         self._blocks = Blocks(self.plan, self.features, self._state.drives)
         self._lists = Lists(self._model, self._state)
+        self._sleeping = Sleeping(self._model, self._state, self._lists)
         count = self.body_count
         self._whole = cut(self._state, count, 1, self.device)[0]
         sizes = sorted({1, self._crew_size()})
@@ -146,8 +148,8 @@ class Simulation:
         try:
             while (left := self._steps_to(until)) > 0 and not (stop is not None and stop()):
                 since = time.perf_counter()
-                count = min(left, self._chunk)
-                self._run(count)
+                self._run(self._sleeping.left(self.step_count, min(left, self._chunk)))
+                self._sleeping.settle(self.step_count, self.dt)
                 spent = time.perf_counter() - since
                 if spent < PATIENCE:
                     self._chunk = min(2 * self._chunk, 1 << 20)
@@ -215,6 +217,7 @@ class Simulation:
             "precision": self.scene.run.precision,
             "features": [k for k, v in vars(self.features).items() if v],
             "stages": list(stage_names(self.features)),
+            **self._sleeping.facts(),
         }
 
     def _crew_size(self) -> int:
@@ -225,9 +228,8 @@ class Simulation:
         return max(1, min(most, self.body_count // CREW_BODIES))
 
     def _compile(self, progress: Callable[[str], None]) -> None:
-        self.compile_seconds = load(
-            self._model, self._state, self._lists, self._crews[-1][0], progress
-        )
+        share = self._crews[-1][0]
+        self.compile_seconds = load(self._model, self._state, self._lists, share, progress)
 
     def _make_stages(self) -> None:
         model, state, lists = self._model, self._state, self._lists

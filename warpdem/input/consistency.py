@@ -13,6 +13,7 @@ from warpdem.input.rules_force import forces
 from warpdem.input.rules_method import METHOD_RULES
 from warpdem.input.rules_release import RULES as RELEASE_RULES
 from warpdem.input.rules_rockfall import ROCKFALL_RULES
+from warpdem.input.rules_sleep import SLEEP_RULES
 from warpdem.input.rules_surface import containers, surfaces_stand
 from warpdem.input.scene_reading import Fault, entries, given, number, numbers, read, tables, text
 from warpdem.input.scene_references import (
@@ -176,6 +177,7 @@ RULES = (
     *DRIVER_RULES,
     *BOND_RULES,
     *METHOD_RULES,
+    *SLEEP_RULES,
     *ROCKFALL_RULES,
     *RELEASE_RULES,
 )

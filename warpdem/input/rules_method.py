@@ -32,6 +32,7 @@ SMOOTH_RUN = (
     "partnership_exponent",
     "cohesion",
     "list_distance",
+    "sleep",
 )
 
 

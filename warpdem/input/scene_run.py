@@ -92,6 +92,27 @@ PROGRAMS = {"rockable": ROCKABLE, "exadem": EXADEM}
 """The numerics that ``compat`` sets, by its value."""
 
 
+class Sleep(Section):
+    """Bodies at rest stand still until the forces of their contacts change, and cost little.
+
+    Neglected: creep below ``speed``, and what accelerates by less than 2 ``speed`` / ``after``;
+    changes of forces, so waves too, below ``tolerance``, to which a sleeper is as a fixed body; the
+    kinetic energy of what falls asleep (energy.csv counts it with the dashpots). A body falls
+    asleep when it and all that it touches are at rest.
+    """
+
+    speed: Positive
+    """Speed of its farthest point below which a body is at rest [m/s]."""
+
+    after: Positive
+    """For how long it is at rest before it falls asleep [s]."""
+
+    tolerance: Annotated[float, Field(gt=0, lt=1)] = 0.01
+    """Change of the force of its contacts at which it wakes, over its weight or, if that is more,
+    the largest of these forces when it fell asleep; of their torque likewise, times its bounding
+    radius [-]."""
+
+
 class Run(Numerics):
     """What is simulated for how long, and by which method."""
 
@@ -153,6 +174,9 @@ class Run(Numerics):
 
     lift: Annotated[float, Field(ge=0, le=1)] = 0.0
     """Of "nonsmooth": share of the depth beyond 1 mm by which a step lifts a rock [-]; 0: never."""
+
+    sleep: Sleep | None = None
+    """[run.sleep]: bodies at rest may sleep; default: none does."""
 
     list_distance: Positive | None = None
     """Rockable's dVerlet [m]: features farther apart are unseen until lists are renewed; only with
