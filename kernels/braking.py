@@ -11,7 +11,10 @@ from warpdem.kernels.measures import largest_eigenvalue
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined
-from warpdem.kernels.views import Bodies, Candidates, Drives, Inertia
+from warpdem.kernels.views import Bodies, Candidates, Clock, Drives, Inertia, Pairs
+
+# steps between two looks at the modes of a pair
+LOOK = 8
 
 
 @wp.func
@@ -132,13 +135,7 @@ def norm(block: mat33) -> real:
 
 
 @wp.func
-def roughly(found: Modes) -> real:
-    """``closely`` or more, in a tenth of its time."""
-    return coupled(norm(found.along), norm(found.about), norm(found.both)) * found.sides
-
-
-@wp.func
-def closely(found: Modes) -> real:
+def highest(found: Modes) -> real:
     """A body's part of the square of a pair's highest frequency, per stiffness, from above [1/kg].
 
     Times the number of pairs that may brake the body along one line.
@@ -149,16 +146,24 @@ def closely(found: Modes) -> real:
 
 
 @functools.cache
-def braked_share(partnership: str, *, controlled: bool) -> wp.Function:
-    """Function of the implicit share of a pair's dashpots, no less than ``beta``."""
+def fastest_mode(partnership: str, *, controlled: bool) -> wp.Function:
+    """Function of the square of a pair's highest frequency, per stiffness, from above [1/kg].
+
+    It changes with the arms of the contacts, slowly, and with their number: every LOOK steps, and
+    where another number touches, it is found anew. What walls that follow a force carry may change
+    at once: they are looked at in every step.
+    """
     modes_of = modes(partnership, controlled=controlled)
 
     @inlined()
-    def braked_share(
+    def fastest_mode(
         inertia: Inertia,
         drives: Drives,
         bodies: Bodies,
+        clock: Clock,
+        pairs: Pairs,
         candidates: Candidates,
+        pair: int,
         i: int,
         j: int,
         d: vec3,
@@ -166,10 +171,10 @@ def braked_share(partnership: str, *, controlled: bool) -> wp.Function:
         touching: int,
         total: real,
         exponent: real,
-        rate: real,
-        beta: real,
     ) -> real:
-        """``rate`` = dt tau kn [kg]; the close bound is asked for only where it can matter."""
+        if wp.static(not controlled):
+            if pairs.looked[pair] == touching and clock.steps[0] % LOOK != 0:
+                return pairs.fastest[pair]
         # fmt: off
         own = modes_of(
             inertia, drives, bodies, candidates, i, d, start, touching, total, exponent
@@ -178,8 +183,9 @@ def braked_share(partnership: str, *, controlled: bool) -> wp.Function:
             inertia, drives, bodies, candidates, j, vec3(), start, touching, total, exponent
         )
         # fmt: on
-        if implicit_share(rate * (roughly(own) + roughly(other))) <= beta:
-            return beta
-        return wp.max(beta, implicit_share(rate * (closely(own) + closely(other))))
+        fastest = highest(own) + highest(other)
+        pairs.looked[pair] = touching
+        pairs.fastest[pair] = fastest
+        return fastest
 
-    return braked_share
+    return fastest_mode

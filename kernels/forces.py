@@ -7,7 +7,7 @@ follows from all of them. Pass 2 applies the laws, contact by contact, and write
 import functools
 
 import warp as wp
-from warpdem.kernels.braking import braked_share
+from warpdem.kernels.braking import fastest_mode, implicit_share
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.contact import apply_laws
 from warpdem.kernels.kinematics import Flow
@@ -49,7 +49,7 @@ def dashpot(laws: Laws) -> wp.Function:
     The measure of their shares, the time tau of their dashpot [s], its implicit share beta.
     """
     frequency_of = frequency(laws)
-    brake = braked_share(laws.partnership, controlled=laws.controlled)
+    fastest_of = fastest_mode(laws.partnership, controlled=laws.controlled)
     shares = laws.partnership != "sum"
     total_shares = total_of(laws.partnership) if shares else None
 
@@ -58,8 +58,11 @@ def dashpot(laws: Laws) -> wp.Function:
         inertia: Inertia,
         drives: Drives,
         bodies: Bodies,
+        clock: Clock,
+        pairs: Pairs,
         candidates: Candidates,
         law: Material,
+        pair: int,
         i: int,
         j: int,
         d: vec3,
@@ -91,13 +94,13 @@ def dashpot(laws: Laws) -> wp.Function:
                     # a wall may be lighter than what it carries
                     several = several or inertia.driven[i] > 0 or inertia.driven[j] > 0
                 if several:
-                    rate = dt * tau * law.kn
                     # fmt: off
-                    beta = brake(
-                        inertia, drives, bodies, candidates, i, j, d, start, touching, total,
-                        law.exponent, rate, beta,
+                    fastest = fastest_of(
+                        inertia, drives, bodies, clock, pairs, candidates, pair, i, j, d, start,
+                        touching, total, law.exponent,
                     )
                     # fmt: on
+                    beta = wp.max(beta, implicit_share(dt * tau * law.kn * fastest))
         return total, tau, beta
 
     return dashpot
@@ -163,9 +166,12 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         force = vec3()
         torque = vec3()
         if touching > 0:
+            # fmt: off
             total, tau, beta = dashpot_of(
-                inertia, drives, bodies, candidates, law, i, j, d, start, touching, dt
+                inertia, drives, bodies, clock, pairs, candidates, law, pair, i, j, d, start,
+                touching, dt,
             )
+            # fmt: on
             for slot in range(start, start + touching):
                 # fmt: off
                 f, t, a, p = apply(

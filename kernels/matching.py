@@ -119,11 +119,11 @@ def same_image(
 
 @functools.cache
 def carry_history(
-    *, rolling: bool, shares: bool, last: bool, periodic: bool, hot: bool
+    *, rolling: bool, shares: bool, last: bool, periodic: bool, hot: bool, braking: bool
 ) -> wp.Kernel:
     """Kernel that moves what contacts remember from the old lists into the new ones, by merging.
 
-    ``hot``: there are hot lists, which begin anew.
+    ``hot``: there are hot lists, which begin anew; ``braking``: pairs remember their fastest mode.
     """
 
     @variant
@@ -138,6 +138,8 @@ def carry_history(
         old_rolled: wp.array(dtype=vec4),
         old_share: wp.array(dtype=real),
         old_last: wp.array(dtype=real),
+        old_looked: wp.array(dtype=wp.int32),
+        old_fastest: wp.array(dtype=real),
         pairs: Pairs,
         cell: Cell,
         # out
@@ -153,10 +155,12 @@ def carry_history(
             old = same_image(old_partner, old_image, old, old_ends[i], pairs, pair, cell)
         k = int(0)
         end = int(0)
+        found = int(-1)
         if old < old_ends[i]:
             if old_partner[old] == pairs.partner[pair]:
                 k = old_start[old]
                 end = old_start[old + 1]
+                found = old
         for c in range(pairs.start[pair], pairs.start[pair + 1]):
             code = candidates.code[c]
             while k < end and old_code[wp.min(k, end - 1)] < code:
@@ -187,5 +191,10 @@ def carry_history(
             pairs.hot_end[pair] = pairs.start[pair]
             pairs.cold[pair] = real(-1.0)
         pairs.touching[pair] = 0
+        if wp.static(braking):
+            pairs.looked[pair] = 0
+            if found >= 0:
+                pairs.looked[pair] = old_looked[found]
+                pairs.fastest[pair] = old_fastest[found]
 
     return carry_history

@@ -177,6 +177,9 @@ class Pairs:
     force: wp.array(dtype=vec3)  # on the owner
     torque: wp.array(dtype=vec3)  # on the owner, about its centre of mass
     torque_partner: wp.array(dtype=vec3)  # on the partner, about its own
+    # of the last look at its modes (braking.py): how many touched, and the fastest one
+    looked: wp.array(dtype=wp.int32)
+    fastest: wp.array(dtype=real)  # square of its frequency, per stiffness [1/kg]
 
 
 @wp.struct

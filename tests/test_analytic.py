@@ -54,7 +54,7 @@ def test_the_middle_of_a_container_has_no_direction():
 
 def test_a_contact_lies_in_the_middle_of_the_overlap_however_deep():
     hit = vertex_surface(real(-0.5), vec3(0.0, 0.0, 1.0), vec3(1.0, 2.0, -0.5), real(0.1))
-    assert hit.outside
+    assert hit.outside == 0.0
     assert hit.gap == pytest.approx(-0.6)
     # between the lowest point of the body, z = -0.6, and the plane
     assert np.array(hit.point) == pytest.approx([1.0, 2.0, -0.3])

@@ -15,6 +15,7 @@ DEVICE_SIDE = {
     "bonding",
     "build",
     "compile",
+    "crews",
     "device",
     "device_forces",
     "device_shapes",

@@ -79,7 +79,7 @@ def test_a_report_counts_bodies_features_and_groups():
     block, ball = found.shapes[0].volume, 4.0 / 3.0 * np.pi * 0.05**3
     assert found.mass == pytest.approx(2600 * (10 * block + 2 * ball), rel=1e-12)
     assert found.frames == 51
-    assert found.stages[0] == "drift"
+    assert found.stages[-1] == "gather, kick and drift"
     assert not found.warnings
     assert not found.problems
 

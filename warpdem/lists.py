@@ -194,6 +194,8 @@ class Lists:
             _copy(pairs.image, count),
             _copy(pairs.start, count + 1),
             *(_copy(values, length) for values in kept),
+            _copy(pairs.looked, count),
+            _copy(pairs.fastest, count),
         )
 
     def _memory(self) -> tuple[wp.array, ...]:
@@ -342,4 +344,5 @@ def history_kernel(has: Features) -> wp.Kernel:
         last=has.avalanche,
         periodic=has.periodic,
         hot=has.hot_lists,
+        braking=has.braking,
     )

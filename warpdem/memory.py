@@ -132,6 +132,8 @@ ARRAYS = (
     *_each("pairs", "pair", "vec3i", "image", "periodic", copied=True),
     *_each("pairs", "pair", "int", "hot_end", "hot_lists"),
     *_each("pairs", "pair", "real", "cold", "hot_lists"),
+    *_each("pairs", "pair", "int", "looked", "braking", copied=True),
+    *_each("pairs", "pair", "real", "fastest", "braking", copied=True),
     *_each("pairs", "pair", "vec3", "force torque_partner"),
     *_each("pairs", "pair", "vec3", "torque", "not single"),
     *_each("search", "pair", "Near", "near", "polyhedra"),

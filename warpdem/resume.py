@@ -37,7 +37,7 @@ BODIES = (
     "braked",
 )
 # of the last force pass: of the pairs, and of the contacts that touched, packed
-PAIRS = ("touching", "force", "torque", "torque_partner")
+PAIRS = ("touching", "force", "torque", "torque_partner", "looked", "fastest")
 TOUCHING = ("which", "normal", "point", "gap")
 # of the contacts, where a law of the scene needs it
 MEMORY = ("rolled", "share", "last")

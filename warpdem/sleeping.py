@@ -14,7 +14,7 @@ from warpdem.kernels.falling_asleep import (
     end_powers,
     fall_asleep,
 )
-from warpdem.kernels.integrate import gather
+from warpdem.kernels.gathering import gather
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.views import Candidates, Pairs, Sleep
 

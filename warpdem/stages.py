@@ -6,13 +6,13 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from warpdem.kernels.advance import Motion
+from warpdem.kernels.advance import advance as advance_kernel
 from warpdem.kernels.bonds import BondLaws, bond_forces
 from warpdem.kernels.cell import drift_cell, kick_cell, sum_stress
 from warpdem.kernels.driving import measure_areas
 from warpdem.kernels.external import Forces
 from warpdem.kernels.forces import pair_forces
-from warpdem.kernels.integrate import Motion
-from warpdem.kernels.integrate import advance as advance_kernel
 from warpdem.kernels.integrate import halt as halt_kernel
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.meeting import meet as meet_kernel

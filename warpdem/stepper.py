@@ -82,7 +82,9 @@ class Stepper:
         halted = self._shares[0].clock.halted
         while count > 0 and not halted.numpy()[0]:
             turns = count if self._loops else min(count, BATCH)
+            steps = self._shares[0].clock.steps.numpy()[0]
             for share in self._shares:
+                share.clock.steps.fill_(steps)
                 share.clock.left.fill_(turns)
                 share.clock.going.fill_(1)
             self._graphs = self._graphs or [
