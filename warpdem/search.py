@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import warp as wp
 
@@ -81,7 +81,7 @@ def candidate_kernels(has: Features) -> tuple[wp.Kernel, ...]:
     return find_near(periodic=has.periodic), find(fill=False), find(fill=True)
 
 
-def _summed(counts: wp.array) -> int:
+def _summed(counts: Any) -> int:
     """Replace counts by their running sum; returns the last."""
     wp.utils.array_scan(counts, counts, inclusive=True)
     return int(counts[-1:].numpy()[0])

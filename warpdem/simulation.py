@@ -183,11 +183,8 @@ class Simulation:
         """Everything that a later ``restore`` needs to go on bitwise."""
         clock = np.array([self._time, self.dt, self._next_dt, self._energy_start])
         counts = np.array([self._time_steps, self.step_count, self._lists.rebuilds])
-        return {
-            "clock": clock,
-            "counts": counts,
-            **resume.arrays(self._state, self._lists),
-        }
+        kept = resume.arrays(self._state, self._lists)
+        return {"clock": clock, "counts": counts, **kept}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take up the state of a checkpoint of the same scene."""

@@ -95,6 +95,7 @@ def laboratory(shapes, bodies, rules, *, dt, gravity=(0.0, 0.0, 0.0), contacts=(
     scene = {
         "run": {"duration": 1e3, "dt": dt, "device": "cpu", "skin": SKIN, **run},
         "gravity": {"vector": list(gravity)},
+        "output": {"orientation": True},
         "shape": [*shapes, FLOOR],
         "body": [*bodies, GROUND],
         "contact": [
