@@ -16,7 +16,7 @@ from warpdem.kernels.integrate import book, place_arms, world_inverse
 from warpdem.kernels.precision import real, vec3
 from warpdem.kernels.rotation import arc
 from warpdem.kernels.sleep import dormancy, time_slow
-from warpdem.kernels.variant import inlined, place, variant
+from warpdem.kernels.variant import compiled, inlined, place
 from warpdem.kernels.views import (
     Account,
     Bodies,
@@ -52,6 +52,7 @@ class Motion(NamedTuple):
     surfaces: bool  # some surface is driven
     work: bool  # account is kept of the work of all
     deforming: bool
+    fused: bool  # products and sums are rounded once
     sleeps: bool  # bodies at rest may sleep
 
 
@@ -268,7 +269,7 @@ def advance(
     kick = kicking(torque_of, forces, motion)
     drift = drifting(rotate, motion)
 
-    @variant
+    @compiled(fuses=motion.fused)
     def advance(
         # model
         geometry: Geometry,

@@ -16,7 +16,7 @@ from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sharing import total_of
 from warpdem.kernels.sleep import stand_still
 from warpdem.kernels.touching import find_touching, frequency
-from warpdem.kernels.variant import inlined, place, variant
+from warpdem.kernels.variant import compiled, inlined, place
 from warpdem.kernels.views import (
     Account,
     Bodies,
@@ -112,7 +112,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
     apply = apply_laws(laws)
     dashpot_of = dashpot(laws)
 
-    @variant
+    @compiled(fuses=laws.fused)
     def pair_forces(
         # model
         geometry: Geometry,

@@ -43,4 +43,5 @@ class Laws(NamedTuple):
     periodic: bool  # pairs with images
     deforming: bool  # images that move against one another
     account: bool  # energy bookkeeping
+    fused: bool  # products and sums are rounded once
     sleeps: bool  # bodies at rest may sleep, see sleep.py

@@ -63,7 +63,7 @@ def between(p: vec3, q: vec3, radius_i: real, radius_j: real, margin: real, outs
     hit.outside = outside
     hit.gap = distance - radius_i - radius_j
     if distance > real(0.0):
-        hit.normal = d / distance
+        hit.normal = d * (real(1.0) / distance)
     hit.point = p - hit.normal * (radius_i + real(0.5) * hit.gap)
     return hit
 

@@ -17,7 +17,7 @@ from warpdem.kernels.narrow import FAR
 from warpdem.kernels.precision import real, vec3, vec4
 from warpdem.kernels.sleep import kept_wrench, stand_still
 from warpdem.kernels.touching import find_single, gaps
-from warpdem.kernels.variant import inlined, place, variant
+from warpdem.kernels.variant import compiled, inlined, place, variant
 from warpdem.kernels.views import (
     Account,
     Bodies,
@@ -123,7 +123,7 @@ def sphere_forces(laws: Laws) -> wp.Kernel:
     """Kernel of the contact wrenches of the pairs that each body owns."""
     wrench_of = one_pair(laws)
 
-    @variant
+    @compiled(fuses=laws.fused)
     def sphere_forces(
         # model
         geometry: Geometry,

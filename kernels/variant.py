@@ -10,6 +10,13 @@ variant = functools.partial(wp.kernel, module="unique", enable_backward=False)
 # them are all there is (measured for trajectories), but variants then round differently
 _FUSED = f"{wp.config.cpu_compiler_flags or '-march=native'} -ffp-contract=fast"
 fused = functools.partial(variant, module_options={"cpu_compiler_flags": _FUSED})
+
+
+def compiled(*, fuses: bool) -> functools.partial:
+    """``variant``, or ``fused`` where the scene says so."""
+    return fused if fuses else variant
+
+
 # a kernel that every scene needs as it is
 plain = functools.partial(wp.kernel, enable_backward=False)
 # a function that takes views: out of line it would copy some kilobytes of them at every call

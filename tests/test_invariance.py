@@ -228,3 +228,17 @@ def test_friction_moves_with_a_ball_from_a_face_to_its_border_edge():
     assert before > 1.0
     # a contact without the other one's history would start from half of it
     assert after == pytest.approx(before, rel=0.02)
+
+
+def test_fused_arithmetic_differs_by_rounding_and_repeats_for_two_threads(monkeypatch):
+    monkeypatch.setattr(warpdem.simulation, "CREW_BODIES", 2)
+    monkeypatch.setattr("warpdem.crews.WORTH", 1e9)  # two, though one be faster
+    monkeypatch.setattr(warpdem.simulation.os, "cpu_count", lambda: 2)
+    soon = 0.05  # before contacts make rounding grow
+    separate = run(heap(1, 5), soon)
+    fused, again = (
+        run(heap(1, 5), soon, threads=threads, arithmetic="fused") for threads in (1, 2)
+    )
+    assert same(fused, again)
+    positions = [s.snapshot().position for s in (separate, fused)]
+    assert np.abs(positions[0] - positions[1]).max() < 1e-12

@@ -47,6 +47,7 @@ class Features:
     work: bool
     predicted: bool
     rotation: str
+    fused: bool
     turns: bool
     first_step: str
     hooke: bool
@@ -155,6 +156,7 @@ def features_of(
         trees=bool(tree_shapes(placement, shapes).any()),
         large=bool((large_bodies(placement, shapes) & ~surface_bodies(placement, shapes)).any()),
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
+        fused=scene.run.arithmetic == "fused",
         turns=_turns(scene, [shapes[k] for k in np.unique(placement.shape[free])]),
         account=scene.output.energy,
         sleeps=contacts and scene.run.sleep is not None,

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 
 # what may touch within so many steps is hot, or within such a part of the first skin
-AHEAD, MARGIN = 10, 0.05
+AHEAD, MARGIN = 10, 0.01
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,7 @@ def text(problem: Problem, *, law: str = "", extra: str = "") -> str:
     return "\n".join(
         [
             f'title = "{problem.name}"',
-            f"run = {{duration = 100.0, dt = {problem.dt!r}}}",
+            f'run = {{duration = 100.0, dt = {problem.dt!r}, arithmetic = "fused"}}',
             f"gravity = {{vector = {list(problem.gravity)}}}",
             "[output]\nenergy = false",
             f'[[group]]\nname = "grain"\ndensity = {problem.density!r}',
