@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 # each crew runs so many batches in a trial, in turn; its best time counts
 ROUNDS = 3
+# a batch takes so many seconds or more: threads may be slow to come together
+LASTING = 0.02
 # seconds until the next trial: twice as long after each, up to the second number
 SOON, LATE = 0.5, 30.0
 # a larger crew has to save so much of the time
@@ -35,6 +37,7 @@ class Crews:
         self.best = max(self._steppers)
         self.spent: dict[int, float] = {}
         self._trials: list[int] = []
+        self._length = BATCH
         self._pause = SOON
         self._again = 0.0
 
@@ -54,21 +57,29 @@ class Crews:
             self._steppers[self.best].cycles(count)
             return
         if not self._trials and time.perf_counter() >= self._again:
-            self._trials = list(self._steppers) * (ROUNDS + 1)
-            self.spent = {}
-        while count >= BATCH and self._trials:
+            self._plan()
+        while count >= self._length and self._trials:
+            count -= self._length
             if not self._try():
                 return
-            count -= BATCH
         self._steppers[self.best].cycles(count)
+
+    def _plan(self) -> None:
+        self._trials = list(self._steppers) * (ROUNDS + 1)
+        self.spent = {}
 
     def _try(self) -> bool:
         """One batch of the next crew of a trial; False where the clock halts."""
         size = self._trials[0]
         begin = time.perf_counter()
-        if not self._steppers[size].cycles(BATCH):
+        if not self._steppers[size].cycles(self._length):
             return False
-        spent = (time.perf_counter() - begin) / BATCH
+        lasted = time.perf_counter() - begin
+        if lasted < LASTING:
+            self._length *= 2
+            self._plan()
+            return True
+        spent = lasted / self._length
         if len(self._trials) <= ROUNDS * len(self._steppers):
             # the first batch of each records its graph
             self.spent[size] = min(self.spent.get(size, spent), spent)
