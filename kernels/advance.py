@@ -120,7 +120,7 @@ def driving(motion: Motion) -> wp.Function:
                 clock,
                 body,
                 bodies.velocity[body],
-                bodies.spin[body],
+                wp.length(bodies.spin[body]),
                 lever,
                 real(0.0),
                 real(0.0),
@@ -212,7 +212,7 @@ def drifting(rotate: wp.Function, motion: Motion) -> wp.Function:
     watch = watching(
         paths=motion.paths,
         surfaces=motion.surfaces,
-        turns=motion.turns,
+        turns=motion.paths,
         deforming=motion.deforming,
     )
 
@@ -237,6 +237,7 @@ def drifting(rotate: wp.Function, motion: Motion) -> wp.Function:
         velocity = kicked * inverse_mass
         bodies.velocity[body] = velocity
         bodies.position[body] = bodies.position[body] + velocity * dt
+        before = bodies.spin[body]
         turned, spin, ahead = turn(geometry, inertia, bodies, body, spun, torque, dt)
         bodies.spin[body] = spin
         if wp.static(motion.predicted):
@@ -248,7 +249,8 @@ def drifting(rotate: wp.Function, motion: Motion) -> wp.Function:
         watched = dt
         if wp.static(not motion.contacts):
             watched = real(0.0)
-        watch(geometry, bodies, cell, clock, body, velocity, spin, lever, dt, watched)
+        spinning = wp.max(wp.length(before), wp.length(spin))
+        watch(geometry, bodies, cell, clock, body, velocity, spinning, lever, dt, watched)
         return kicked, turned
 
     return drifting

@@ -161,6 +161,9 @@ def pair_forces(laws: Laws) -> wp.Kernel:
             geometry, bodies, candidates, i, j, law, d, start, end, margin
         )
         pairs.touching[pair] = touching
+        if wp.static(laws.damped and laws.predicted):
+            if touching == 0:
+                pairs.looked[pair] = 0
         account = given_up(law, freed, unrolled)
         power = vec4()
         force = vec3()

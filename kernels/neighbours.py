@@ -224,21 +224,28 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
 def set_reach(
     # model
     geometry: Geometry,
+    inertia: Inertia,
     # in
     ahead: real,
     least: real,
     most: real,
+    turns: int,
     # in and out
     bodies: Bodies,
 ):
     """How far each body may go before the lists are renewed: its way in the time ``ahead`` [s].
 
     No less than ``least`` and no more than ``most`` [m], as lists that would last for ever cost
-    more in every step than they save.
+    more in every step than they save. ``turns`` 0: turning moves nothing of free bodies.
     """
     body = wp.tid()
-    speed = wp.length(bodies.velocity[body])
-    pace = speed + geometry.bound[body] * wp.length(bodies.spin[body])
+    free = inertia.inverse_mass[body] > real(0.0)
+    if not free and inertia.driven[body] == 0:
+        bodies.reach[body] = real(0.0)
+        return
+    pace = wp.length(bodies.velocity[body])
+    if turns != 0 or not free:
+        pace += geometry.bound[body] * wp.length(bodies.spin[body])
     bodies.reach[body] = wp.clamp(ahead * pace, least, most)
 
 

@@ -14,6 +14,8 @@ from warpdem.kernels.precision import real
 from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import Bodies, Candidates, Cell, Clock, Geometry, Pairs
 
+ROUNDING = wp.constant(real(1.0e-12))
+
 
 @inlined()
 def pace(geometry: Geometry, bodies: Bodies, body: int) -> real:
@@ -56,13 +58,15 @@ def refresh(*, surfaces: bool, periodic: bool) -> wp.Kernel:
             d -= cell.edges[0] * real_vector(pairs.image[pair])
         soon = ahead * (pace(geometry, bodies, i) + pace(geometry, bodies, j))
         limit = path + wp.max(margin, soon)
+        # what attracts, and rounding
+        slack = reach + ROUNDING * (geometry.bound[i] + geometry.bound[j])
         cold = FAR
         start = pairs.start[pair]
         end = start
         for c in range(start, pairs.start[pair + 1]):
             clear = candidates.clear[c]
             if clear <= limit:
-                clear = path + clear_of(geometry, bodies, i, j, d, candidates.code[c]) - reach
+                clear = path + clear_of(geometry, bodies, i, j, d, candidates.code[c]) - slack
                 candidates.clear[c] = clear
             if clear <= limit or candidates.past[c][3] != real(-1.0):
                 candidates.hot[end] = c

@@ -1,7 +1,7 @@
 """The pair kernel of spheres: one contact a pair, found and followed in one go.
 
 A thread takes the pairs that one body owns and sums their wrenches on it; the partners gather
-theirs, see integrate.py. There are no lists of features: a candidate has the number of its pair.
+theirs, see gathering.py. There are no lists of features: a candidate has the number of its pair.
 """
 
 import functools

@@ -51,7 +51,8 @@ def find_touching(laws: Laws) -> wp.Function:
             near = hit.gap < reach
             if wp.static(laws.sticky):
                 # what pulled until within this step still has to be paid for it
-                near = near or (past[3] >= real(0.0) and hit.gap < margin)
+                if law.fc > real(0.0) or law.gamma > real(0.0):
+                    near = near or (past[3] >= real(0.0) and hit.gap < margin)
             if near and hit.outside == real(0.0):
                 slot = start + touching
                 candidates.which[slot] = c
@@ -119,7 +120,8 @@ def find_single(laws: Laws) -> wp.Function:
             past = candidates.past[c]
             if past[3] >= real(0.0):
                 if wp.static(laws.sticky):
-                    near = hit.gap < margin
+                    if law.fc > real(0.0) or law.gamma > real(0.0):
+                        near = hit.gap < margin
                 if not near:
                     freed, unrolled = settle(candidates, c, hit.gap, margin)
         return hit, near, freed, unrolled

@@ -47,12 +47,15 @@ def watching(*, paths: bool, surfaces: bool, turns: bool, deforming: bool) -> wp
         clock: Clock,
         body: int,
         velocity: vec3,
-        spin: vec3,
+        spinning: real,
         lever: real,
         dt: real,
         watched: real,
     ):
-        """``watched`` is the step for which flying off counts; 0 looks for NaN alone."""
+        """``spinning`` is the largest spin of the step [rad/s].
+
+        ``watched`` is the step for which flying off counts; 0 looks for NaN alone.
+        """
         bound = geometry.bound[body]
         reach = bodies.reach[body]
         own = velocity
@@ -62,7 +65,6 @@ def watching(*, paths: bool, surfaces: bool, turns: bool, deforming: bool) -> wp
             gradient = cell.rate[0] * wp.inverse(cell.edges[0])
             own = velocity - gradient * inside
         speed = wp.length(own)
-        spinning = wp.length(spin)
         if flies(speed, spinning, bound, watched):
             clock.fault[0] = 1
         if wp.static(paths):

@@ -34,7 +34,7 @@ def test_two_host_threads_give_bitwise_the_result_of_one(monkeypatch):
     monkeypatch.setattr("warpdem.crews.WORTH", 1e9)  # two, though one be faster
     monkeypatch.setattr(warpdem.simulation.os, "cpu_count", lambda: 2)
     alone, together = (run(heap(1, 5), UNTIL, threads=threads) for threads in (1, 2))
-    assert together.report()["threads"] == 2
+    assert together.report()["cycles_by_threads"][2] > 0
     assert alone.snapshot().energy.contact_count > 0
     assert same(alone, together)
     assert alone.snapshot().energy == together.snapshot().energy
@@ -242,3 +242,30 @@ def test_fused_arithmetic_differs_by_rounding_and_repeats_for_two_threads(monkey
     assert same(fused, again)
     positions = [s.snapshot().position for s in (separate, fused)]
     assert np.abs(positions[0] - positions[1]).max() < 1e-12
+
+
+def hard(seed, **keys):
+    """A heap whose dashpots are strong for its step: modes of pairs are held back."""
+    return run(heap(seed, 6), UNTIL, dt=1e-3, law={"en2": 0.0025}, **keys)
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_skins_change_no_bit_where_dashpots_are_strong_and_contacts_open_and_close(seed):
+    few, many = (hard(seed, skin=skin) for skin in (0.01, 0.5))
+    assert few.report()["rebuilds"] > 2 * many.report()["rebuilds"]
+    assert same(few, many)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_hot_lists_leave_out_nothing_that_touches(monkeypatch, seed):
+    lists = []
+    for ahead, margin in ((10, 0.01), (0, 0.0), (0, 1e6)):  # the usual, the tightest, everything
+        monkeypatch.setattr("warpdem.stages.AHEAD", ahead)
+        monkeypatch.setattr("warpdem.stages.MARGIN", margin)
+        lists.append(run(heap(seed, 5), UNTIL, skin=0.2))
+    assert all(same(one, lists[-1]) for one in lists[:-1])
+    hot = [
+        int((s._lists.pairs.hot_end.numpy() - s._lists.pairs.start.numpy()[:-1]).sum())
+        for s in lists
+    ]
+    assert hot[1] < hot[2]

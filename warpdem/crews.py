@@ -14,9 +14,9 @@ from warpdem.stepper import BATCH, Stepper
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-# each crew runs so many batches in a trial, in turn; its best time counts
+# each crew works so often in a trial, in turn; its best time counts
 ROUNDS = 3
-# a batch takes so many seconds or more: threads may be slow to come together
+# for so many seconds or more: threads may be slow to come together
 LASTING = 0.02
 # seconds until the next trial: twice as long after each, up to the second number
 SOON, LATE = 0.5, 30.0
@@ -30,14 +30,16 @@ class Crews:
     Attributes:
         best: The number of threads that works now.
         spent: Best seconds a cycle of each number of threads in the last trial.
+        done: Cycles that each number of threads has done.
     """
 
     def __init__(self, steppers: Sequence[Stepper]) -> None:
         self._steppers = {len(stepper): stepper for stepper in steppers}
         self.best = max(self._steppers)
         self.spent: dict[int, float] = {}
+        self.done = dict.fromkeys(self._steppers, 0)
         self._trials: list[int] = []
-        self._length = BATCH
+        self._lasted, self._cycles = 0.0, 0
         self._pause = SOON
         self._again = 0.0
 
@@ -53,40 +55,43 @@ class Crews:
 
     def cycles(self, count: int) -> None:
         """Run up to ``count`` cycles; fewer when the clock halts."""
-        if len(self._steppers) == 1:
-            self._steppers[self.best].cycles(count)
-            return
-        if not self._trials and time.perf_counter() >= self._again:
-            self._plan()
-        while count >= self._length and self._trials:
-            count -= self._length
-            if not self._try():
+        if len(self._steppers) > 1 and not self._trials and time.perf_counter() >= self._again:
+            self._trials = list(self._steppers) * (ROUNDS + 1)
+            self.spent = {}
+        while count > 0 and self._trials:
+            batch = min(count, BATCH)
+            if not self._try(batch):
                 return
-        self._steppers[self.best].cycles(count)
+            count -= batch
+        self._run(self.best, count)
 
-    def _plan(self) -> None:
-        self._trials = list(self._steppers) * (ROUNDS + 1)
-        self.spent = {}
+    def _run(self, size: int, count: int) -> bool:
+        stepper = self._steppers[size]
+        before = stepper.steps
+        whole = stepper.cycles(count)
+        self.done[size] += stepper.steps - before
+        return whole
 
-    def _try(self) -> bool:
-        """One batch of the next crew of a trial; False where the clock halts."""
+    def _try(self, count: int) -> bool:
+        """Part of a batch of the next crew of a trial; False where the clock halts."""
         size = self._trials[0]
-        begin = time.perf_counter()
-        if not self._steppers[size].cycles(self._length):
-            return False
-        lasted = time.perf_counter() - begin
-        if lasted < LASTING:
-            self._length *= 2
-            self._plan()
-            return True
-        spent = lasted / self._length
+        before, begin = self.done[size], time.perf_counter()
+        whole = self._run(size, count)
+        self._lasted += time.perf_counter() - begin
+        self._cycles += self.done[size] - before
+        if self._lasted >= LASTING and self._cycles:
+            self._note(size)
+        return whole
+
+    def _note(self, size: int) -> None:
+        spent = self._lasted / self._cycles
         if len(self._trials) <= ROUNDS * len(self._steppers):
-            # the first batch of each records its graph
+            # the first batch of each records its loop
             self.spent[size] = min(self.spent.get(size, spent), spent)
+        self._lasted, self._cycles = 0.0, 0
         self._trials.pop(0)
         if not self._trials:
             self._choose()
-        return True
 
     def _choose(self) -> None:
         best = min(self._steppers)

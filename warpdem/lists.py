@@ -131,7 +131,14 @@ class Lists:
         wp.launch(
             set_reach,
             dim=model.body_count,
-            inputs=[model.geometry, AHEAD * dt, least, most],
+            inputs=[
+                model.geometry,
+                model.inertia,
+                AHEAD * dt,
+                least,
+                most,
+                int(model.features.polyhedra),
+            ],
             outputs=[self._state.bodies],
             device=model.device,
         )
@@ -210,7 +217,7 @@ class Lists:
         bound = model.geometry.bound.numpy().copy()
         for surface in np.flatnonzero(model.surface):
             away = np.linalg.norm(position[free] - position[surface], axis=1) + bound[free]
-            bound[surface] = away.max(initial=0.0) + model.skin
+            bound[surface] = away.max(initial=0.0) + REACH_MOST * model.skin
         model.geometry.bound.assign(bound)
 
     def _find_pairs(self) -> None:

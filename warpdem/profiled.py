@@ -37,6 +37,7 @@ class ProfilingStepper(Stepper):
         halted = self._shares[0].clock.halted
         while count > 0 and not halted.numpy()[0]:
             batch = min(count, BATCH)
+            self._set_clocks(batch)
             self._graphs = self._graphs or [
                 self._record_each(stages, share)
                 for stages, share in zip(self._stages, self._shares, strict=True)

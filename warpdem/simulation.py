@@ -211,6 +211,7 @@ class Simulation:
             "candidates": self._lists.candidate_count,
             "device": str(self.device),
             "threads": self._stepper.best,
+            "cycles_by_threads": self._stepper.done,
             "precision": self.scene.run.precision,
             "features": [k for k, v in vars(self.features).items() if v],
             "stages": list(stage_names(self.features)),

@@ -73,6 +73,11 @@ class Stepper:
         cuts[0], cuts[-1] = 0, count
         return cuts
 
+    @property
+    def steps(self) -> int:
+        """Number of steps done so far, by whomever."""
+        return int(self._shares[0].clock.steps.numpy()[0])
+
     def __len__(self) -> int:
         """Number of host threads."""
         return len(self._shares)
@@ -82,11 +87,7 @@ class Stepper:
         halted = self._shares[0].clock.halted
         while count > 0 and not halted.numpy()[0]:
             turns = count if self._loops else min(count, BATCH)
-            steps = self._shares[0].clock.steps.numpy()[0]
-            for share in self._shares:
-                share.clock.steps.fill_(steps)
-                share.clock.left.fill_(turns)
-                share.clock.going.fill_(1)
+            self._set_clocks(turns)
             self._graphs = self._graphs or [
                 self._record(stages, share)
                 for stages, share in zip(self._stages, self._shares, strict=True)
@@ -98,6 +99,14 @@ class Stepper:
                 list(self._pool.map(repeat, self._graphs, [each] * len(self._graphs)))
             count -= turns
         return not halted.numpy()[0]
+
+    def _set_clocks(self, turns: int) -> None:
+        """All threads count from the same step, as many cycles as they are to do."""
+        steps = self._shares[0].clock.steps.numpy()[0]
+        for share in self._shares:
+            share.clock.steps.fill_(steps)
+            share.clock.left.fill_(turns)
+            share.clock.going.fill_(1)
 
     def close(self) -> None:
         """Let the host threads go."""

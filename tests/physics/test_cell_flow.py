@@ -174,12 +174,12 @@ def test_threads_and_pauses_leave_no_trace_in_a_cell_under_control(monkeypatch):
     )
     alone.advance(0.11)  # sheared by over half: its edges have been exchanged
     assert alone.snapshot().cell.edges[0, 1] < 0.0
-    assert together.report()["threads"] == 2
     resumed.restore(alone.checkpoint())
     for simulation in (alone, together, resumed):
         simulation.advance(0.15)
     first = alone.snapshot()
     assert first.energy.contact_count > 20
+    assert together.report()["cycles_by_threads"][2] > 0
     for other in (together.snapshot(), resumed.snapshot()):
         for name in STATE:
             assert np.array_equal(getattr(first, name), getattr(other, name))

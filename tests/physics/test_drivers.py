@@ -243,9 +243,9 @@ def test_driven_run_is_the_same_for_two_threads(monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     drivers, bodies = everything()
     one, two = (start(drivers, bodies, threads=threads) for threads in (1, 2))
-    assert two.report()["threads"] == 2
     one.advance(0.15)
     two.advance(0.15)
+    assert two.report()["cycles_by_threads"][2] > 0
     assert all(map(np.array_equal, state(one), state(two)))
 
 

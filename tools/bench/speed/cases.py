@@ -67,11 +67,11 @@ class Case:
 SPRINGS = (
     "All solve Hooke's springs with the same kn, kt, dashpot, mu, dt, weight and plane walls from "
     "the same positions, at rest and without friction history, and build it up in the steps before "
-    "the clock. "
+    "the clock. warpdem runs with run.arithmetic = 'fused'. "
 )
 SPHERES = (
     SPRINGS + "LIGGGHTS and YADE damp each contact by itself, friction turned with the contact; "
-    "warpdem keeps orientations and the two-body restitution besides. "
+    "warpdem keeps the two-body restitution besides, and no orientations. "
 )
 
 CASES = (

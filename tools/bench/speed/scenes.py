@@ -100,13 +100,13 @@ def tower(count: int, columns: int, *, name: str = "cubes_to_rest") -> Problem:
     return Problem(name, solid, sites, turn, box(columns * pitch))
 
 
-def text(problem: Problem, *, law: str = "", extra: str = "") -> str:
+def text(problem: Problem, *, law: str = "", extra: str = "", arithmetic: str = "fused") -> str:
     """The scene file of a problem; ``law`` is added to its contact laws, ``extra`` to its end."""
     grains = zip(problem.position.tolist(), problem.orientation.tolist(), strict=True)
     return "\n".join(
         [
             f'title = "{problem.name}"',
-            f'run = {{duration = 100.0, dt = {problem.dt!r}, arithmetic = "fused"}}',
+            f'run = {{duration = 100.0, dt = {problem.dt!r}, arithmetic = "{arithmetic}"}}',
             f"gravity = {{vector = {list(problem.gravity)}}}",
             "[output]\nenergy = false",
             f'[[group]]\nname = "grain"\ndensity = {problem.density!r}',

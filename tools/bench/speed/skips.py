@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from speed.packings import Folder
     from speed.problem import Problem
 
+SEPARATE = "separate"
+"""Arithmetic in which what a scene does not use changes no bit."""
+
 COLUMNS = (
     "scene",
     "term",
@@ -80,12 +83,13 @@ class Term:
         here = _idle(self.law)
         there = _idle(self.idle_law or self.law, self.idle, self.idle_shape, self.idle_body)
         found = {
-            "without": scenes.text(plain, extra=here),
-            "unused": scenes.text(plain, extra=f"{there}\n{self.unused}"),
+            "without": scenes.text(plain, extra=here, arithmetic=SEPARATE),
+            "unused": scenes.text(plain, extra=f"{there}\n{self.unused}", arithmetic=SEPARATE),
         }
         if self.used is not None:
             busy = replace(plain, law=self.used_law or self.law)
-            found["used"] = scenes.text(busy, law=self.used, extra=f"{here}\n{self.use}")
+            more = f"{here}\n{self.use}"
+            found["used"] = scenes.text(busy, law=self.used, extra=more, arithmetic=SEPARATE)
         return found
 
 
