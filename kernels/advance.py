@@ -120,7 +120,8 @@ def driving(motion: Motion) -> wp.Function:
                 clock,
                 body,
                 bodies.velocity[body],
-                wp.length(bodies.spin[body]),
+                bodies.spin[body],
+                bodies.spin[body],
                 lever,
                 real(0.0),
                 real(0.0),
@@ -249,8 +250,7 @@ def drifting(rotate: wp.Function, motion: Motion) -> wp.Function:
         watched = dt
         if wp.static(not motion.contacts):
             watched = real(0.0)
-        spinning = wp.max(wp.length(before), wp.length(spin))
-        watch(geometry, bodies, cell, clock, body, velocity, spinning, lever, dt, watched)
+        watch(geometry, bodies, cell, clock, body, velocity, before, spin, lever, dt, watched)
         return kicked, turned
 
     return drifting

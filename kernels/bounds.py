@@ -95,14 +95,11 @@ def vertex_near_edge(p: vec3, a: vec3, b: vec3, half: real, reach: real, skin: r
 
 
 @wp.func
-def edges_near(p: vec3, p1: vec3, q: vec3, q1: vec3, halves: real, reach: real) -> bool:
-    """Whether two segments, half as long together as ``halves``, are within ``reach``.
+def between_segments(p: vec3, p1: vec3, q: vec3, q1: vec3) -> vec3:
+    """Shortest vector from segment q q1 to segment p p1.
 
-    Ericson (2005), Real-Time Collision Detection, 5.1.9, after a test of their bounding spheres.
+    Ericson (2005), Real-Time Collision Detection, 5.1.9.
     """
-    near = halves + reach
-    if wp.length_sq(p + p1 - q - q1) > real(4.0) * near * near:
-        return False
     u = p1 - p
     v = q1 - q
     w = p - q
@@ -122,7 +119,19 @@ def edges_near(p: vec3, p1: vec3, q: vec3, q1: vec3, halves: real, reach: real) 
     elif t > real(1.0):
         t = real(1.0)
         s = wp.clamp((uv - uw) / uu, real(0.0), real(1.0))
-    return wp.length_sq(w + u * s - v * t) <= reach * reach
+    return w + u * s - v * t
+
+
+@wp.func
+def edges_near(p: vec3, p1: vec3, q: vec3, q1: vec3, halves: real, reach: real) -> bool:
+    """Whether two segments, half as long together as ``halves``, are within ``reach``.
+
+    First their bounding spheres, then their distance.
+    """
+    near = halves + reach
+    if wp.length_sq(p + p1 - q - q1) > real(4.0) * near * near:
+        return False
+    return wp.length_sq(between_segments(p, p1, q, q1)) <= reach * reach
 
 
 @inlined()

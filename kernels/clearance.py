@@ -8,6 +8,7 @@ its foot has come over it.
 import functools
 
 import warp as wp
+from warpdem.kernels.bounds import between_segments
 from warpdem.kernels.codes import (
     EE,
     EV,
@@ -19,12 +20,11 @@ from warpdem.kernels.codes import (
     feature_of_partner,
     kind_of,
 )
+from warpdem.kernels.narrow import FAR
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.surfaces import height_above
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
-
-FAR = wp.constant(real(1.0e300))
 
 
 @wp.func
@@ -37,31 +37,6 @@ def vertex_from_edge(p: vec3, a: vec3, b: vec3, radii: real) -> real:
     along = wp.clamp(r / square, real(0.0), real(1.0))
     overhang = wp.max(-r, r - square) / wp.sqrt(square)
     return wp.max(wp.length(w - e * along) - radii, overhang)
-
-
-@wp.func
-def edge_from_edge(p: vec3, p1: vec3, q: vec3, q1: vec3, radii: real) -> real:
-    """Distance of two segments less the radii; Ericson (2005), 5.1.9."""
-    u = p1 - p
-    v = q1 - q
-    w = p - q
-    uu = wp.dot(u, u)
-    vv = wp.dot(v, v)
-    uv = wp.dot(u, v)
-    uw = wp.dot(u, w)
-    vw = wp.dot(v, w)
-    area = uu * vv - uv * uv
-    s = real(0.0)
-    if area > real(1.0e-12) * uu * vv:
-        s = wp.clamp((uv * vw - uw * vv) / area, real(0.0), real(1.0))
-    t = (uv * s + vw) / vv
-    if t < real(0.0):
-        t = real(0.0)
-        s = wp.clamp(-uw / uu, real(0.0), real(1.0))
-    elif t > real(1.0):
-        t = real(1.0)
-        s = wp.clamp((uv - uw) / uu, real(0.0), real(1.0))
-    return wp.length(w + u * s - v * t) - radii
 
 
 @inlined()
@@ -113,13 +88,13 @@ def clearance(*, surfaces: bool) -> wp.Function:
         if kind == EE:
             ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
             others = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
-            return edge_from_edge(
+            away = between_segments(
                 d + bodies.arm[arm_i + ends[0]],
                 d + bodies.arm[arm_i + ends[1]],
                 bodies.arm[arm_j + others[0]],
                 bodies.arm[arm_j + others[1]],
-                radii,
             )
+            return wp.length(away) - radii
         if kind == VF:
             p = d + bodies.arm[arm_i + a]
             return vertex_from_face(geometry, bodies.rotation[j], j, b, p, radii)

@@ -9,7 +9,8 @@ import functools
 
 import warp as wp
 from warpdem.kernels.cell import real_vector
-from warpdem.kernels.clearance import FAR, clearance
+from warpdem.kernels.clearance import clearance
+from warpdem.kernels.narrow import FAR
 from warpdem.kernels.precision import real
 from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import Bodies, Candidates, Cell, Clock, Geometry, Pairs

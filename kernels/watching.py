@@ -47,12 +47,13 @@ def watching(*, paths: bool, surfaces: bool, turns: bool, deforming: bool) -> wp
         clock: Clock,
         body: int,
         velocity: vec3,
-        spinning: real,
+        before: vec3,
+        spin: vec3,
         lever: real,
         dt: real,
         watched: real,
     ):
-        """``spinning`` is the largest spin of the step [rad/s].
+        """``before`` and ``spin`` are those of the last half step and of this one [rad/s].
 
         ``watched`` is the step for which flying off counts; 0 looks for NaN alone.
         """
@@ -65,10 +66,11 @@ def watching(*, paths: bool, surfaces: bool, turns: bool, deforming: bool) -> wp
             gradient = cell.rate[0] * wp.inverse(cell.edges[0])
             own = velocity - gradient * inside
         speed = wp.length(own)
+        spinning = wp.length(spin)
         if flies(speed, spinning, bound, watched):
             clock.fault[0] = 1
         if wp.static(paths):
-            pace = speed + (bound + lever) * spinning
+            pace = speed + (bound + lever) * wp.max(spinning, wp.length(before))
             if wp.static(deforming):
                 pace += wp.sqrt(wp.ddot(gradient, gradient)) * (bound + reach)
             path = bodies.path[body] + pace * dt
