@@ -54,7 +54,7 @@ def forget(laws: Laws) -> wp.Function:
         if wp.static(laws.account):
             past = candidates.past[c]
             share = real(1.0)
-            if wp.static(laws.partnership != "sum"):
+            if wp.static(laws.moving):
                 share = candidates.share[c]
             if law.kt > real(0.0) and share > real(0.0):
                 held = past[0] * past[0] + past[1] * past[1] + past[2] * past[2]

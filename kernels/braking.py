@@ -114,7 +114,9 @@ def modes(partnership: str, *, controlled: bool) -> wp.Function:
                 arm = wp.cross(candidates.point[slot] - shift, normal)
                 turn = wp.cw_mul(own * arm, turning)
                 share = real(1.0)
-                if wp.static(partnership != "sum"):
+                if wp.static(partnership == "once"):
+                    share = candidates.share[candidates.which[slot]]
+                elif wp.static(partnership != "sum"):
                     share = share_of(overlap, total, exponent)
                 along += wp.outer(n, n) * share
                 about += wp.outer(turn, turn) * share

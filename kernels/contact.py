@@ -22,14 +22,19 @@ from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Materia
 def shared(laws: Laws) -> wp.Function:
     """Function of a sub-contact's share now, and what its tangential spring makes of it.
 
-    Share [-], its mean over the step, the part of the force it keeps, the share before.
+    Share of kn [-]; share of kt, its mean over the step, the part of the force it keeps, the share
+    before.
     """
-    plain = laws.partnership == "sum"
     share_of = SHARES.get(laws.partnership)
 
     @inlined()
     def whole(candidates: Candidates, c: int, d: real, total: real, law: Material, fresh: bool):
-        return real(1.0), real(1.0), real(1.0), real(1.0)
+        return real(1.0), real(1.0), real(1.0), real(1.0), real(1.0)
+
+    @inlined()
+    def counted(candidates: Candidates, c: int, d: real, total: real, law: Material, fresh: bool):
+        # the cap alone makes friction follow the share: its spring keeps what it has
+        return candidates.share[c], real(1.0), real(1.0), real(1.0), real(1.0)
 
     @inlined()
     def moving(candidates: Candidates, c: int, d: real, total: real, law: Material, fresh: bool):
@@ -43,9 +48,11 @@ def shared(laws: Laws) -> wp.Function:
         if wp.static(laws.passive):
             mean = passive_share(before, share)
             keeps = carried_share(before, share)
-        return share, mean, keeps, before
+        return share, share, mean, keeps, before
 
-    return whole if plain else moving
+    if laws.once:
+        return counted
+    return moving if laws.moving else whole
 
 
 @functools.cache
@@ -115,7 +122,7 @@ def touch_of(laws: Laws) -> wp.Function:
         touch.tau = tau
         touch.beta = beta
         touch.dt = dt
-        if wp.static(laws.partnership != "sum" and not laws.pair_damping):
+        if wp.static(laws.moving and not laws.pair_damping):
             touch.tau = tau / wp.sqrt(share)
         if wp.static(laws.avalanche):
             touch.last = candidates.last[c]
@@ -293,7 +300,9 @@ def apply_laws(laws: Laws) -> wp.Function:
         if not distant:
             past = candidates.past[c]
             fresh = past[3] < real(0.0)
-            share, mean, keeps, before = share_at(candidates, c, overlap, total, law, fresh)
+            share, held_by, mean, keeps, before = share_at(
+                candidates, c, overlap, total, law, fresh
+            )
             motion = motion_at(bodies, flow, i, j, d, normal, point, dt)
             touch = touch_at(
                 geometry, inertia, candidates, law, i, j, c, overlap, share, tau, beta, dt
@@ -314,7 +323,7 @@ def apply_laws(laws: Laws) -> wp.Function:
                     else:
                         cap = law.mu * touch.stiffness * overlap
                 tangential, held, had, taken = tangential_force(
-                    motion, law, normal, past, cap, mean, keeps, share, before, dt * phi
+                    motion, law, normal, past, cap, mean, keeps, held_by, before, dt * phi
                 )
                 force += tangential
                 account[0] = account[0] + held
@@ -335,7 +344,7 @@ def apply_laws(laws: Laws) -> wp.Function:
                         arm,
                         mean,
                         keeps,
-                        share,
+                        held_by,
                         before,
                         dt * phi,
                     )

@@ -10,6 +10,7 @@ import warp as wp
 from warpdem.kernels.braking import fastest_mode, implicit_share
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.contact import apply_laws
+from warpdem.kernels.excess import Excess, share_out
 from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.precision import real, vec3, vec4
@@ -50,8 +51,7 @@ def dashpot(laws: Laws) -> wp.Function:
     """
     frequency_of = frequency(laws)
     fastest_of = fastest_mode(laws.partnership, controlled=laws.controlled)
-    shares = laws.partnership != "sum"
-    total_shares = total_of(laws.partnership) if shares else None
+    total_shares = total_of(laws.partnership) if laws.moving else None
 
     @inlined()
     def dashpot(
@@ -68,10 +68,11 @@ def dashpot(laws: Laws) -> wp.Function:
         d: vec3,
         start: int,
         touching: int,
+        excess: Excess,
         dt: real,
     ):
         total = real(1.0)
-        if wp.static(shares):
+        if wp.static(laws.moving):
             total = total_shares(candidates, start, touching, law.exponent)
         tau = real(0.0)
         beta = real(0.0)
@@ -80,8 +81,9 @@ def dashpot(laws: Laws) -> wp.Function:
             square = inverse_mass
             if wp.static(laws.pair_damping or laws.predicted):
                 square = frequency_of(
-                    inertia, bodies, candidates, i, j, d, start, touching, total, law.exponent
-                )
+                    inertia, bodies, candidates, i, j, d, start, touching, total, law.exponent,
+                    excess,
+                )  # fmt: skip
             omega = wp.sqrt(law.kn * square)
             tau = real(2.0) * law.zeta / omega
             beta = law.zeta * omega * dt
@@ -169,10 +171,16 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         force = vec3()
         torque = vec3()
         if touching > 0:
+            excess = Excess()
+            if wp.static(laws.once):
+                excess = share_out(geometry, bodies, candidates, i, j, d, start, touching)
+                force = excess.force * law.kn
+                torque = excess.torque * law.kn
+                account[0] = real(0.5) * law.kn * excess.square
             # fmt: off
             total, tau, beta = dashpot_of(
                 inertia, drives, bodies, clock, pairs, candidates, law, pair, i, j, d, start,
-                touching, dt,
+                touching, excess, dt,
             )
             # fmt: on
             for slot in range(start, start + touching):

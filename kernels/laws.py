@@ -30,7 +30,7 @@ class Laws(NamedTuple):
     total_cap: bool  # some cap is the whole normal force
     objective: bool  # friction follows the contact frame
     keep: bool  # friction survives an opening (Rockable)
-    partnership: str  # sum, number, overlap, pnorm: see sharing.py
+    partnership: str  # once, sum, number, overlap, pnorm: see sharing.py
     passive: bool  # friction gains no energy from moving shares
     rolling: bool
     branch_arm: bool  # rolling cap over the branch length
@@ -45,3 +45,13 @@ class Laws(NamedTuple):
     account: bool  # energy bookkeeping
     fused: bool  # products and sums are rounded once
     sleeps: bool  # bodies at rest may sleep, see sleep.py
+
+    @property
+    def once(self) -> bool:
+        """Each vertex counts once, edges by what they overlap more than their ends."""
+        return self.partnership == "once"
+
+    @property
+    def moving(self) -> bool:
+        """Sub-contacts remember the share of the stiffness that they had."""
+        return self.partnership not in {"once", "sum"}

@@ -70,7 +70,7 @@ def hand_over(gap_of: wp.Function, laws: Laws) -> wp.Function:
                         candidates.past[heir] = vec4(
                             past[0], past[1], past[2], real(-2.0) - past[3]
                         )
-                        if wp.static(laws.partnership != "sum"):
+                        if wp.static(laws.moving):
                             candidates.share[heir] = candidates.share[c]
                         if wp.static(laws.avalanche):
                             candidates.last[heir] = candidates.last[c]

@@ -117,6 +117,8 @@ def frequency_bound(partnership: str, *, periodic: bool) -> wp.Kernel:
                 soft = real(1.0)
                 if wp.static(partnership != "sum"):
                     soft = candidates.share[candidates.which[slot]]
+                    if wp.static(partnership == "once"):
+                        soft = wp.max(soft, real(1.0))
                     if wp.static(partnership == "pnorm"):
                         if pairs.touching[pair] > 1:
                             kn *= law.exponent - real(1.0)

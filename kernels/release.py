@@ -71,6 +71,7 @@ def pack(laws: Laws) -> wp.Function:
         two_sided=laws.two_sided,
         cones=laws.cones,
         surfaces=False,
+        regions=laws.once,
     )
     motion_at = kinematics(predicted=False, deforming=False)
 
@@ -118,7 +119,7 @@ def take_over(laws: Laws, *, damping: bool) -> wp.Function:
     is counted as those left it, from where the pair's account of friction goes on. With a share of
     the stiffness goes the same share of the forces: the spring keeps its elongation.
     """
-    shares = laws.partnership != "sum"
+    shares = laws.moving
     share_of = SHARES.get(laws.partnership)
     pull_of = attraction(laws)
 
@@ -174,7 +175,7 @@ def release(laws: Laws, *, damping: bool) -> wp.Kernel:
     pair_of = listed_pair(periodic=laws.periodic)
     pack_pair = pack(laws)
     take = take_over(laws, damping=damping)
-    shares = laws.partnership != "sum"
+    shares = laws.moving
     total_shares = total_of(laws.partnership) if shares else None
 
     @variant

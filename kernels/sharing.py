@@ -2,7 +2,8 @@
 
 With overlaps d_i: ``number`` w = 1/n, ``overlap`` w = d / sum d (Rockable's NumberWeight and
 OverlapWeight, which create energy), ``pnorm`` w = (d/g)^(p - 2), g = (sum d^p)^(1/p), the gradient
-of kn g^2 / 2. ``sum`` is w = 1 and needs nothing of this.
+of kn g^2 / 2. ``sum`` is w = 1 and needs nothing of this; ``once`` counts by regions and excess:
+see regions.py and excess.py.
 """
 
 import functools

@@ -3,6 +3,7 @@
 import functools
 
 import warp as wp
+from warpdem.kernels.excess import Excess
 from warpdem.kernels.integrate import world_inverse
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.matching import hand_over
@@ -88,6 +89,7 @@ def gaps(laws: Laws) -> wp.Function:
         two_sided=laws.two_sided,
         cones=laws.cones,
         surfaces=laws.surfaces,
+        regions=laws.once,
     )
 
 
@@ -148,13 +150,13 @@ def settled(laws: Laws) -> wp.Function:
             if wp.static(laws.account):
                 past = candidates.past[c]
                 freed = past[0] * past[0] + past[1] * past[1] + past[2] * past[2]
-                if wp.static(laws.partnership != "sum"):
+                if wp.static(laws.moving):
                     freed = freed / candidates.share[c]
             candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
             if wp.static(laws.rolling):
                 rolled = candidates.rolled[c]
                 unrolled = wp.dot(rolled, rolled)
-                if wp.static(laws.partnership != "sum"):
+                if wp.static(laws.moving):
                     unrolled = unrolled / candidates.share[c]
                 candidates.rolled[c] = vec4()
         return freed, unrolled
@@ -165,7 +167,6 @@ def settled(laws: Laws) -> wp.Function:
 @functools.cache
 def frequency(laws: Laws) -> wp.Function:
     """Function of the square of a pair's own frequency over its stiffness."""
-    plain = laws.partnership == "sum"
     share_of = SHARES.get(laws.partnership)
 
     @inlined()
@@ -180,20 +181,28 @@ def frequency(laws: Laws) -> wp.Function:
         touching: int,
         total: real,
         exponent: real,
+        excess: Excess,
     ) -> real:
         force = vec3()
         torque_i = vec3()
         torque_j = vec3()
         squares = real(0.0)
+        if wp.static(laws.once):
+            force = excess.force
+            torque_i = excess.torque - wp.cross(d, force)
+            torque_j = excess.torque
+            squares = excess.square
         single = real(0.0)
         for slot in range(start, start + touching):
             overlap = -candidates.gap[slot]
             if wp.static(laws.reaching or laws.sticky):
                 overlap = wp.max(overlap, real(0.0))
             pushed = overlap
-            if wp.static(not plain):
+            if wp.static(laws.moving):
                 if overlap > real(0.0):
                     pushed = share_of(overlap, total, exponent) * overlap
+            if wp.static(laws.once):
+                pushed = candidates.share[candidates.which[slot]] * overlap
             f = candidates.normal[slot] * pushed
             point = candidates.point[slot]
             force += f

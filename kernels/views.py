@@ -34,6 +34,10 @@ class Geometry:
     side_below: wp.array(dtype=vec4)
     side_open: wp.array(dtype=wp.int32)  # a point on the border belongs to the other face
     side_vertex: wp.array(dtype=wp.vec2i)
+    # where vertices count once: the sides of faces along an edge, or -1; the edges at a vertex
+    edge_sides: wp.array(dtype=wp.vec2i)
+    spoke_start: wp.array(dtype=wp.int32)  # of a vertex; one entry more than there are
+    spoke: wp.array(dtype=wp.int32)  # counted within the shape
     # half-spaces of the directions in which a terrain's vertex or edge may touch
     cone_start: wp.array(dtype=wp.int32)
     cone: wp.array(dtype=vec3)

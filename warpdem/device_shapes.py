@@ -25,9 +25,12 @@ SURFACES = {"plane": int(PLANE), "cylinder": int(CYLINDER), "ball": int(BALL)}
 
 
 def shape_arrays(
-    shapes: list[Polyhedron], with_tree: BoolArray, device: Any
+    shapes: list[Polyhedron], with_tree: BoolArray, device: Any, *, once: bool = False
 ) -> tuple[Geometry, tuple[wp.Bvh, ...]]:
-    """Features of all shapes on a device, and the trees over some, shape [shape_count]."""
+    """Features of all shapes on a device, and the trees over some, shape [shape_count].
+
+    ``once``: what lies beside edges and vertices too.
+    """
     for shape in shapes:
         if max(len(shape.vertices), len(shape.edges), len(shape.face_offsets)) >= FEATURE_LIMIT:
             raise CapacityError(f'shape "{shape.name}" has more than {FEATURE_LIMIT} features')
@@ -36,6 +39,8 @@ def shape_arrays(
     _features(geometry, shapes, device)
     _sides(geometry, shapes, device)
     _cones(geometry, shapes, device)
+    if once:
+        _neighbours(geometry, shapes, device)
     analytic = [shape.analytic for shape in shapes]
     kinds = np.array([SURFACES[a.kind] if a else 0 for a in analytic], np.int32)
     geometry.surface = on(device, kinds, wp.int32)
@@ -144,6 +149,33 @@ def _sides(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
     geometry.side_open = on(device, _join(shared, np.int32), wp.int32)
     vertices = _join([s.side_vertices for s in shapes], np.int32, 2)
     geometry.side_vertex = on(device, vertices, wp.vec2i)
+
+
+def _neighbours(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
+    """Sides of faces along each edge, and edges at each vertex."""
+    sides, spokes, counts, total = [], [], [], 0
+    for shape in shapes:
+        found = edge_sides(shape)
+        sides.append(np.where(found >= 0, found + total, -1))
+        total += len(shape.side_vertices)
+        ends = np.asarray(shape.edges, np.int64).reshape(-1)
+        spokes.append(np.argsort(ends, kind="stable") // 2)
+        counts.append(np.bincount(ends, minlength=len(shape.vertices)))
+    starts = np.concatenate([[0], np.cumsum(np.concatenate(counts))]).astype(np.int32)
+    geometry.edge_sides = on(device, _join(sides, np.int32, 2), wp.vec2i)
+    geometry.spoke_start = on(device, starts, wp.int32)
+    geometry.spoke = on(device, _join(spokes, np.int32), wp.int32)
+
+
+def edge_sides(shape: Polyhedron) -> IntArray:
+    """Two sides of faces along each edge, or -1, shape [edge_count, 2]."""
+    found = np.full((len(shape.edges), 2), -1)
+    place = {tuple(sorted(map(int, ends))): k for k, ends in enumerate(shape.edges)}
+    for side, ends in enumerate(shape.side_vertices):
+        edge = place.get(tuple(sorted(map(int, ends))), -1)
+        if edge >= 0 and found[edge, 1] < 0:
+            found[edge, int(found[edge, 0] >= 0)] = side
+    return found
 
 
 def side_planes(shape: Polyhedron) -> tuple[FloatArray, FloatArray, IntArray]:

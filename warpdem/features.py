@@ -116,8 +116,13 @@ class Features:
         return self.predicted and (asked or not self.central)
 
     @property
+    def once(self) -> bool:
+        """Each vertex counts once: see kernels.regions and kernels.excess."""
+        return self.contacts and self.partnership == "once"
+
+    @property
     def shares(self) -> bool:
-        """Contacts remember their share of a pair's stiffness."""
+        """Contacts have a share of a pair's stiffness."""
         return self.partnership != "sum"
 
     @property
@@ -246,7 +251,7 @@ def _laws(scene: Scene, laws: list[Contact], *, polyhedra: bool) -> dict[str, An
         "hooke": any(law.law in HOOKE for law in laws),
         "avalanche": any(law.law == "avalanche" for law in laws),
         "custom": tuple(sorted(own)),
-        "partnership": scene.run.partnership if polyhedra else "sum",
+        "partnership": scene.partnership if polyhedra else "sum",
         "cohesion": any(law.attracts for law in laws),
         "adhesion": any(law.gamma > 0 for law in laws),
         "sticky": any(law.gamma > 0 or (law.fc > 0 and not law.dncut) for law in laws),

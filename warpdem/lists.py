@@ -347,7 +347,7 @@ def history_kernel(has: Features) -> wp.Kernel:
     """Kernel that carries what the contacts of a scene remember into new lists."""
     return carry_history(
         rolling=has.rolling,
-        shares=has.partnership != "sum",
+        shares=has.partnership not in {"once", "sum"},
         last=has.avalanche,
         periodic=has.periodic,
         hot=has.hot_lists,

@@ -299,7 +299,7 @@ def _bound(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedro
 def _steepening(scene: Scene) -> float:
     """Slope of one of two equal sub-contacts, in kn, when the other stays as it is."""
     p = scene.run.partnership_exponent
-    if scene.run.partnership != "pnorm":
+    if scene.partnership != "pnorm":
         return 1.0
     return max(1.0, (p - 1.0) * 2.0 ** (2.0 / p - 1.0))
 

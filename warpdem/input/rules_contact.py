@@ -58,7 +58,7 @@ def laws_of_their_own(scene: Any) -> Iterator[Fault]:
             for key in ("file", "normal"):
                 if read(contact, key) is None:
                     yield Fault(("contact", index, key), None, 'missing: law = "custom" needs it')
-            if partnership not in {None, "sum"}:
+            if partnership not in {None, "auto", "sum"}:
                 rule = 'a function of its own shares nothing: use run.partnership = "sum"'
                 yield Fault(("contact", index, "law"), "custom", rule)
             for key in ("en2", "damping_ratio"):

@@ -287,6 +287,14 @@ class Scene(Section):
         """Simulated time between frames [s]."""
         return self.output.every or self.run.duration / 50.0
 
+    @property
+    def partnership(self) -> str:
+        """How sub-contacts share stiffness, after "auto"."""
+        if self.run.partnership != "auto":
+            return self.run.partnership
+        springs = all(law.law in {"default", "sticked_links"} for law in self.contact)
+        return "once" if springs and not self.bond and self.run.compat == "none" else "sum"
+
     def contact_table(self, groups: Sequence[str]) -> dict[tuple[str, str], Contact]:
         """Laws between the named groups, under both orders of each pair."""
         wanted = set(groups)

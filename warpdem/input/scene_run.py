@@ -149,10 +149,13 @@ class Run(Numerics):
     compat: Literal["none", "rockable", "exadem"] = "none"
     """"rockable", "exadem": the numerics of these programs, to compare with them."""
 
-    partnership: Literal["sum", "pnorm", "number", "overlap"] = "sum"
-    """How sub-contacts of two bodies share their stiffness: "sum", each has all of it; "pnorm",
-    (d/g)^(p-2) of it, g = (sum d^p)^(1/p), d the overlaps; "number", one nth; "overlap", d/sum d.
-    The last two, Rockable's, do not conserve energy."""
+    partnership: Literal["auto", "once", "sum", "pnorm", "number", "overlap"] = "auto"
+    """What counts as a sub-contact of two bodies, and how they share stiffness: "once", a vertex
+    with the nearest feature of the other body alone, two edges by what they overlap more than their
+    ends, so that the energy of solids in contact is continuous; the others with all features in
+    reach: "sum", each has all the stiffness; "pnorm", (d/g)^(p-2) of it, g = (sum d^p)^(1/p), d
+    the overlaps; "number", one nth; "overlap", d/sum d: these two, Rockable's, do not conserve
+    energy. "auto": "once"; with bonds, compat, or laws other than springs and dashpots "sum"."""
 
     partnership_exponent: Annotated[float, Field(ge=2, le=16)] = 4.0
     """p of "pnorm" [-]; 2 is "sum"."""

@@ -1,0 +1,79 @@
+"""Regions of the space around a solid: of which of its features a vertex is nearest to which.
+
+Over a face, beyond both faces beside an edge, or beyond the ends of all edges at a vertex. Between
+convex solids the regions fill space without overlap, so each vertex counts once, and its distance
+to the other solid is a continuous function with a continuous gradient. The comparisons are those
+of the feature pairs themselves, bit by bit: where one region ends the next begins.
+"""
+
+import warp as wp
+from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.variant import inlined
+from warpdem.kernels.views import Bodies, Geometry
+
+
+@inlined()
+def over_edge(geometry: Geometry, rotation: mat33, body: int, edge: int, p: vec3) -> bool:
+    """Whether a point, about the body's centre, lies beyond the faces beside an edge."""
+    shape = geometry.shape[body]
+    x = wp.transpose(rotation) * p / geometry.scale[body]
+    sides = geometry.edge_sides[geometry.edge_start[shape] + edge]
+    for k in range(2):
+        if sides[k] >= 0:
+            plane = geometry.side_above[sides[k]]
+            out = plane[0] * x[0] + plane[1] * x[1] + plane[2] * x[2] - plane[3]
+            if out <= real(0.0):
+                return False
+    return True
+
+
+@inlined()
+def over_vertex(
+    geometry: Geometry, bodies: Bodies, body: int, vertex: int, shift: vec3, p: vec3
+) -> bool:
+    """Whether a point lies beyond the ends of all edges at a vertex of a body at ``shift``."""
+    shape = geometry.shape[body]
+    arms = geometry.arm_start[body]
+    index = geometry.vertex_start[shape] + vertex
+    for k in range(geometry.spoke_start[index], geometry.spoke_start[index + 1]):
+        ends = geometry.edge[geometry.edge_start[shape] + geometry.spoke[k]]
+        a = shift + bodies.arm[arms + ends[0]]
+        e = shift + bodies.arm[arms + ends[1]] - a
+        r = wp.dot(p - a, e)
+        if ends[0] == vertex:
+            if r > real(0.0):
+                return False
+        elif r < wp.dot(e, e):
+            return False
+    return True
+
+
+@inlined()
+def is_corner(geometry: Geometry, body: int, vertex: int) -> bool:
+    """Whether edges meet at a vertex; that of a sphere stands alone."""
+    index = geometry.vertex_start[geometry.shape[body]] + vertex
+    return geometry.spoke_start[index + 1] > geometry.spoke_start[index]
+
+
+@inlined()
+def vertex_count(
+    geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, a: int, b: int
+) -> real:
+    """How often two vertices count: for each of them that is nearest to the other one.
+
+    A vertex without edges has no region of its own: it counts for itself.
+    """
+    p = d + bodies.arm[geometry.arm_start[i] + a]
+    q = bodies.arm[geometry.arm_start[j] + b]
+    corner_i = is_corner(geometry, i, a)
+    corner_j = is_corner(geometry, j, b)
+    count = real(0.0)
+    if corner_j:
+        if over_vertex(geometry, bodies, j, b, vec3(), p):
+            count += real(1.0)
+    if corner_i:
+        if over_vertex(geometry, bodies, i, a, d, q):
+            count += real(1.0)
+    if not corner_i and not corner_j:
+        count = real(1.0)
+    return count
