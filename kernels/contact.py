@@ -75,7 +75,7 @@ def normal_part(laws: Laws) -> wp.Function:
             approach = motion.approach_end
             if wp.static(laws.predicted and laws.damped):
                 # as the force of this step leaves it, not the one of the last
-                if touch.tau > real(0.0):
+                if touch.tau > real(0.0) and touch.stiffness > real(0.0):
                     renewed = touch.before - fn
                     approach += renewed * touch.beta / (touch.stiffness * touch.tau)
             lost = (fn - elastic) * approach

@@ -14,13 +14,11 @@ from warpdem.kernels.codes import (
     VE,
     VF,
     VS,
-    VV,
     feature_of_owner,
     feature_of_partner,
     kind_of,
 )
 from warpdem.kernels.precision import mat33, real, vec3
-from warpdem.kernels.regions import over_edge, vertex_count
 from warpdem.kernels.surfaces import height_above
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
@@ -246,17 +244,9 @@ def vertex_surface(height: real, normal: vec3, p: vec3, radius_v: real) -> Hit:
 
 @functools.cache
 def feature_pair(
-    *,
-    polyhedra: bool,
-    convex: bool,
-    two_sided: bool,
-    cones: bool,
-    surfaces: bool,
-    regions: bool = False,
+    *, polyhedra: bool, convex: bool, two_sided: bool, cones: bool, surfaces: bool
 ) -> wp.Function:
     """Function of any feature pair; without ``polyhedra`` only vertices (spheres) are compiled.
-
-    ``regions``: a vertex has but the nearest feature of a convex solid (regions.py).
 
     What lies outside its feature is told from what is far only where it ``touched`` before.
     """
@@ -376,38 +366,7 @@ def feature_pair(
     ) -> Hit:
         return between(d, vec3(), geometry.radius[i], geometry.radius[j], margin, real(0.0))
 
-    within = coned if cones else bare
-
-    @inlined()
-    def nearest(
-        geometry: Geometry,
-        bodies: Bodies,
-        i: int,
-        j: int,
-        d: vec3,
-        margin: real,
-        touched: bool,
-        code: wp.int64,
-    ) -> Hit:
-        hit = within(geometry, bodies, i, j, d, margin, touched, code)
-        if hit.outside == real(0.0):
-            kind = kind_of(code)
-            a = feature_of_owner(code)
-            b = feature_of_partner(code)
-            counts = bool(True)
-            if kind == VE:
-                p = d + bodies.arm[geometry.arm_start[i] + a]
-                counts = over_edge(geometry, bodies.rotation[j], j, b, p)
-            elif kind == EV:
-                p = bodies.arm[geometry.arm_start[j] + b] - d
-                counts = over_edge(geometry, bodies.rotation[i], i, a, p)
-            elif kind == VV:
-                counts = vertex_count(geometry, bodies, i, j, d, a, b) > real(0.0)
-            if not counts:
-                hit.outside = real(1.0)
-        return hit
-
-    polyhedral = nearest if regions else within
+    polyhedral = coned if cones else bare
     pair_of = polyhedral if polyhedra else spherical
 
     @inlined()

@@ -6,10 +6,22 @@ to the other solid is a continuous function with a continuous gradient. The comp
 of the feature pairs themselves, bit by bit: where one region ends the next begins.
 """
 
+import functools
+
 import warp as wp
+from warpdem.kernels.codes import EV, VE, VV, feature_of_owner, feature_of_partner, kind_of
+from warpdem.kernels.narrow import Hit
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
+
+
+@inlined()
+def beyond(geometry: Geometry, side: int, x: vec3) -> bool:
+    """Whether a point of the shape's frame lies beyond a side of a face."""
+    plane = geometry.side_above[side]
+    out = plane[0] * x[0] + plane[1] * x[1] + plane[2] * x[2] - plane[3]
+    return out > real(0.0)
 
 
 @inlined()
@@ -20,9 +32,7 @@ def over_edge(geometry: Geometry, rotation: mat33, body: int, edge: int, p: vec3
     sides = geometry.edge_sides[geometry.edge_start[shape] + edge]
     for k in range(2):
         if sides[k] >= 0:
-            plane = geometry.side_above[sides[k]]
-            out = plane[0] * x[0] + plane[1] * x[1] + plane[2] * x[2] - plane[3]
-            if out <= real(0.0):
+            if not beyond(geometry, sides[k], x):
                 return False
     return True
 
@@ -31,7 +41,10 @@ def over_edge(geometry: Geometry, rotation: mat33, body: int, edge: int, p: vec3
 def over_vertex(
     geometry: Geometry, bodies: Bodies, body: int, vertex: int, shift: vec3, p: vec3
 ) -> bool:
-    """Whether a point lies beyond the ends of all edges at a vertex of a body at ``shift``."""
+    """Whether a point lies beyond the ends of all edges at a vertex of a body at ``shift``.
+
+    And over none of the faces there: right over a corner it lies on the borders of all.
+    """
     shape = geometry.shape[body]
     arms = geometry.arm_start[body]
     index = geometry.vertex_start[shape] + vertex
@@ -44,6 +57,11 @@ def over_vertex(
             if r > real(0.0):
                 return False
         elif r < wp.dot(e, e):
+            return False
+    x = wp.transpose(bodies.rotation[body]) * (p - shift) / geometry.scale[body]
+    for k in range(geometry.corner_start[index], geometry.corner_start[index + 1]):
+        sides = geometry.corner[k]
+        if not beyond(geometry, sides[0], x) and not beyond(geometry, sides[1], x):
             return False
     return True
 
@@ -77,3 +95,39 @@ def vertex_count(
     if not corner_i and not corner_j:
         count = real(1.0)
     return count
+
+
+@functools.cache
+def nearest(gap_of: wp.Function) -> wp.Function:
+    """``gap_of`` a feature pair, but that a vertex has none beside the nearest of the features."""
+
+    @inlined()
+    def nearest(
+        geometry: Geometry,
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: vec3,
+        margin: real,
+        touched: bool,
+        code: wp.int64,
+    ) -> Hit:
+        hit = gap_of(geometry, bodies, i, j, d, margin, touched, code)
+        if hit.outside == real(0.0):
+            kind = kind_of(code)
+            a = feature_of_owner(code)
+            b = feature_of_partner(code)
+            counts = bool(True)
+            if kind == VE:
+                p = d + bodies.arm[geometry.arm_start[i] + a]
+                counts = over_edge(geometry, bodies.rotation[j], j, b, p)
+            elif kind == EV:
+                p = bodies.arm[geometry.arm_start[j] + b] - d
+                counts = over_edge(geometry, bodies.rotation[i], i, a, p)
+            elif kind == VV:
+                counts = vertex_count(geometry, bodies, i, j, d, a, b) > real(0.0)
+            if not counts:
+                hit.outside = real(1.0)
+        return hit
+
+    return nearest

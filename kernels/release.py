@@ -71,7 +71,6 @@ def pack(laws: Laws) -> wp.Function:
         two_sided=laws.two_sided,
         cones=laws.cones,
         surfaces=False,
-        regions=laws.once,
     )
     motion_at = kinematics(predicted=False, deforming=False)
 

@@ -10,6 +10,7 @@ from warpdem.kernels.matching import hand_over
 from warpdem.kernels.narrow import feature_pair
 from warpdem.kernels.normal import pair_frequency
 from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.regions import nearest
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined, place
 from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Material
@@ -83,14 +84,14 @@ def find_touching(laws: Laws) -> wp.Function:
 @functools.cache
 def gaps(laws: Laws) -> wp.Function:
     """Function of the gap of any feature pair that the scene has."""
-    return feature_pair(
+    gap_of = feature_pair(
         polyhedra=laws.polyhedra,
         convex=laws.convex,
         two_sided=laws.two_sided,
         cones=laws.cones,
         surfaces=laws.surfaces,
-        regions=laws.once,
     )
+    return nearest(gap_of) if laws.once else gap_of
 
 
 @functools.cache

@@ -34,10 +34,13 @@ class Geometry:
     side_below: wp.array(dtype=vec4)
     side_open: wp.array(dtype=wp.int32)  # a point on the border belongs to the other face
     side_vertex: wp.array(dtype=wp.vec2i)
-    # where vertices count once: the sides of faces along an edge, or -1; the edges at a vertex
+    # where vertices count once: the sides of faces along an edge, or -1; of a vertex its edges,
+    # counted within the shape, and the two sides there of each of its faces
     edge_sides: wp.array(dtype=wp.vec2i)
-    spoke_start: wp.array(dtype=wp.int32)  # of a vertex; one entry more than there are
-    spoke: wp.array(dtype=wp.int32)  # counted within the shape
+    spoke_start: wp.array(dtype=wp.int32)  # one entry more than there are vertices
+    spoke: wp.array(dtype=wp.int32)
+    corner_start: wp.array(dtype=wp.int32)
+    corner: wp.array(dtype=wp.vec2i)
     # half-spaces of the directions in which a terrain's vertex or edge may touch
     cone_start: wp.array(dtype=wp.int32)
     cone: wp.array(dtype=vec3)

@@ -48,7 +48,9 @@ def build(
 ) -> tuple[Model, State]:
     """Model and state of a placed scene on a device."""
     shapes = list(polyhedra.values())
-    geometry, trees = shape_arrays(shapes, tree_shapes(placement, shapes), device, once=features.once)
+    geometry, trees = shape_arrays(
+        shapes, tree_shapes(placement, shapes), device, once=features.once
+    )
     bound = np.array([shape.bound for shape in shapes])[placement.shape] * placement.scale
     large = large_bodies(placement, shapes)
     surface = surface_bodies(placement, shapes)

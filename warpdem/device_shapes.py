@@ -152,19 +152,31 @@ def _sides(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
 
 
 def _neighbours(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
-    """Sides of faces along each edge, and edges at each vertex."""
-    sides, spokes, counts, total = [], [], [], 0
+    """Sides of faces along each edge; edges at each vertex, and its two sides of each face."""
+    sides, spokes, spoke_counts, corners, corner_counts, total = [], [], [], [], [], 0
     for shape in shapes:
+        count = len(shape.vertices)
         found = edge_sides(shape)
         sides.append(np.where(found >= 0, found + total, -1))
-        total += len(shape.side_vertices)
         ends = np.asarray(shape.edges, np.int64).reshape(-1)
         spokes.append(np.argsort(ends, kind="stable") // 2)
-        counts.append(np.bincount(ends, minlength=len(shape.vertices)))
-    starts = np.concatenate([[0], np.cumsum(np.concatenate(counts))]).astype(np.int32)
+        spoke_counts.append(np.bincount(ends, minlength=count))
+        at = np.asarray(shape.side_vertices, np.int64).reshape(-1, 2)[:, 1]
+        order = np.argsort(at, kind="stable")
+        onward = shape.facets.following if len(at) else at
+        corners.append(np.column_stack([order, onward[order]]) + total)
+        corner_counts.append(np.bincount(at, minlength=count))
+        total += len(at)
     geometry.edge_sides = on(device, _join(sides, np.int32, 2), wp.vec2i)
-    geometry.spoke_start = on(device, starts, wp.int32)
+    geometry.spoke_start = on(device, _starting(spoke_counts), wp.int32)
     geometry.spoke = on(device, _join(spokes, np.int32), wp.int32)
+    geometry.corner_start = on(device, _starting(corner_counts), wp.int32)
+    geometry.corner = on(device, _join(corners, np.int32, 2), wp.vec2i)
+
+
+def _starting(counts: list[IntArray]) -> IntArray:
+    """Where the rows of each begin, and the last end."""
+    return np.concatenate([[0], np.cumsum(np.concatenate(counts))]).astype(np.int32)
 
 
 def edge_sides(shape: Polyhedron) -> IntArray:

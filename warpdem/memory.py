@@ -214,9 +214,10 @@ ARRAYS = (
     *_each("geometry", "side of a shape", "vec4", "side_above side_below"),
     *_each("geometry", "side of a shape", "int", "side_open"),
     *_each("geometry", "side of a shape", "vec2i", "side_vertex"),
-    *_each("geometry", "vertex of a shape", "int", "spoke_start", "once", more=1),
+    *_each("geometry", "vertex of a shape", "int", "spoke_start corner_start", "once", more=1),
     *_each("geometry", "edge of a shape", "int", "spoke", "once", times=2),
     *_each("geometry", "edge of a shape", "vec2i", "edge_sides", "once"),
+    *_each("geometry", "side of a shape", "vec2i", "corner", "once"),
     *_each("geometry", "vertex or edge", "int", "cone_start", more=1),
     *_each("geometry", "half-space", "vec3", "cone"),
     # of a tree over the features of a shape

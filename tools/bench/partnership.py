@@ -33,6 +33,7 @@ END = 0.7
 WATCHED = 2e-3
 """Time between two looks at the energy where it must not rise [s]."""
 RULES: dict[str, dict[str, Any]] = {
+    "once": {"partnership": "once"},
     "sum": {"partnership": "sum"},
     "pnorm p = 4": {"partnership": "pnorm"},
     "pnorm p = 8": {"partnership": "pnorm", "partnership_exponent": 8.0},
