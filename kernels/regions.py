@@ -6,11 +6,8 @@ to the other solid is a continuous function with a continuous gradient. The comp
 of the feature pairs themselves, bit by bit: where one region ends the next begins.
 """
 
-import functools
-
 import warp as wp
 from warpdem.kernels.codes import EV, VE, VV, feature_of_owner, feature_of_partner, kind_of
-from warpdem.kernels.narrow import Hit
 from warpdem.kernels.precision import mat33, real, vec3
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
@@ -97,37 +94,20 @@ def vertex_count(
     return count
 
 
-@functools.cache
-def nearest(gap_of: wp.Function) -> wp.Function:
-    """``gap_of`` a feature pair, but that a vertex has none beside the nearest of the features."""
-
-    @inlined()
-    def nearest(
-        geometry: Geometry,
-        bodies: Bodies,
-        i: int,
-        j: int,
-        d: vec3,
-        margin: real,
-        touched: bool,
-        code: wp.int64,
-    ) -> Hit:
-        hit = gap_of(geometry, bodies, i, j, d, margin, touched, code)
-        if hit.outside == real(0.0):
-            kind = kind_of(code)
-            a = feature_of_owner(code)
-            b = feature_of_partner(code)
-            counts = bool(True)
-            if kind == VE:
-                p = d + bodies.arm[geometry.arm_start[i] + a]
-                counts = over_edge(geometry, bodies.rotation[j], j, b, p)
-            elif kind == EV:
-                p = bodies.arm[geometry.arm_start[j] + b] - d
-                counts = over_edge(geometry, bodies.rotation[i], i, a, p)
-            elif kind == VV:
-                counts = vertex_count(geometry, bodies, i, j, d, a, b) > real(0.0)
-            if not counts:
-                hit.outside = real(1.0)
-        return hit
-
-    return nearest
+@inlined()
+def is_nearest(
+    geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, code: wp.int64
+) -> bool:
+    """Whether a vertex has no nearer feature of a convex solid than that of a feature pair."""
+    kind = kind_of(code)
+    a = feature_of_owner(code)
+    b = feature_of_partner(code)
+    if kind == VE:
+        p = d + bodies.arm[geometry.arm_start[i] + a]
+        return over_edge(geometry, bodies.rotation[j], j, b, p)
+    if kind == EV:
+        p = bodies.arm[geometry.arm_start[j] + b] - d
+        return over_edge(geometry, bodies.rotation[i], i, a, p)
+    if kind == VV:
+        return vertex_count(geometry, bodies, i, j, d, a, b) > real(0.0)
+    return True

@@ -10,7 +10,7 @@ from warpdem.kernels.matching import hand_over
 from warpdem.kernels.narrow import feature_pair
 from warpdem.kernels.normal import pair_frequency
 from warpdem.kernels.precision import real, vec3, vec4
-from warpdem.kernels.regions import nearest
+from warpdem.kernels.regions import is_nearest
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined, place
 from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Material
@@ -55,7 +55,11 @@ def find_touching(laws: Laws) -> wp.Function:
                 # what pulled until within this step still has to be paid for it
                 if law.fc > real(0.0) or law.gamma > real(0.0):
                     near = near or (past[3] >= real(0.0) and hit.gap < margin)
-            if near and hit.outside == real(0.0):
+            inside = hit.outside == real(0.0)
+            if wp.static(laws.once):
+                if near and inside:
+                    inside = is_nearest(geometry, bodies, i, j, d, candidates.code[c])
+            if near and inside:
                 slot = start + touching
                 candidates.which[slot] = c
                 candidates.normal[slot] = hit.normal
@@ -65,7 +69,7 @@ def find_touching(laws: Laws) -> wp.Function:
             elif past[3] >= real(0.0):
                 if wp.static(laws.keep):
                     # what is no longer over its feature is as far as what is beyond the margin
-                    gap = wp.where(hit.outside > real(0.0), margin, hit.gap)
+                    gap = wp.where(inside, hit.gap, margin)
                     settle(candidates, c, gap, margin)
                 elif hit.gap < real(0.0):
                     candidates.past[c] = vec4(past[0], past[1], past[2], real(-2.0) - past[3])
@@ -84,14 +88,13 @@ def find_touching(laws: Laws) -> wp.Function:
 @functools.cache
 def gaps(laws: Laws) -> wp.Function:
     """Function of the gap of any feature pair that the scene has."""
-    gap_of = feature_pair(
+    return feature_pair(
         polyhedra=laws.polyhedra,
         convex=laws.convex,
         two_sided=laws.two_sided,
         cones=laws.cones,
         surfaces=laws.surfaces,
     )
-    return nearest(gap_of) if laws.once else gap_of
 
 
 @functools.cache
