@@ -12,7 +12,7 @@ from warpdem.kernels.cell import real_vector
 from warpdem.kernels.contact import apply_laws
 from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.precision import real, vec3, wide, wide4
 from warpdem.kernels.sharing import total_of
 from warpdem.kernels.sleep import stand_still
 from warpdem.kernels.touching import find_touching, frequency
@@ -32,13 +32,13 @@ from warpdem.kernels.views import (
 
 
 @wp.func
-def given_up(law: Material, freed: real, unrolled: real) -> vec4:
+def given_up(law: Material, freed: wide, unrolled: wide) -> wide4:
     """What the springs of contacts that opened lose: squares of their force and moment [J]."""
-    account = vec4()
-    if freed > real(0.0):
-        account[2] = freed / (real(2.0) * law.kt)
-    if unrolled > real(0.0):
-        account[3] = unrolled / (real(2.0) * law.kr)
+    account = wide4()
+    if freed > wide(0.0):
+        account[2] = freed / wide(real(2.0) * law.kt)
+    if unrolled > wide(0.0):
+        account[3] = unrolled / wide(real(2.0) * law.kr)
     return account
 
 
@@ -76,7 +76,7 @@ def dashpot(laws: Laws) -> wp.Function:
         tau = real(0.0)
         beta = real(0.0)
         if wp.static(laws.damped):
-            inverse_mass = inertia.inverse_mass[i] + inertia.inverse_mass[j]
+            inverse_mass = real(inertia.inverse_mass[i] + inertia.inverse_mass[j])
             square = inverse_mass
             if wp.static(laws.pair_damping or laws.predicted):
                 square = frequency_of(
@@ -119,7 +119,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         inertia: Inertia,
         materials: wp.array(dtype=Material),
         # in
-        dt: real,
+        dt: wide,
         margin: real,
         span: wp.array(dtype=wp.int32),
         bodies: Bodies,
@@ -148,14 +148,16 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         if wp.static(laws.sleeps):
             if stand_still(bodies.sleep, i, j):
                 return
-        d = bodies.position[i] - bodies.position[j]
+        apart = bodies.position[i] - bodies.position[j]
         flow = Flow()
         if wp.static(laws.periodic):
             image = real_vector(pairs.image[pair])
-            d -= cell.edges[0] * image
+            apart -= cell.edges[0] * image
             if wp.static(laws.deforming):
                 flow.half = cell.rate[0] * image
                 flow.end = cell.rate_end[0] * image
+        d = vec3(apart)
+        step = real(dt)
         law = materials[pairs.material[pair]]
         touching, freed, unrolled = find(
             geometry, bodies, candidates, i, j, law, d, start, end, margin
@@ -165,14 +167,14 @@ def pair_forces(laws: Laws) -> wp.Kernel:
             if touching == 0:
                 pairs.looked[pair] = 0
         account = given_up(law, freed, unrolled)
-        power = vec4()
+        power = wide4()
         force = vec3()
         torque = vec3()
         if touching > 0:
             # fmt: off
             total, tau, beta = dashpot_of(
                 inertia, drives, bodies, clock, pairs, candidates, law, pair, i, j, d, start,
-                touching, dt,
+                touching, step,
             )
             # fmt: on
             for slot in range(start, start + touching):
@@ -180,7 +182,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
                 f, t, a, p = apply(
                     geometry, inertia, bodies, candidates, law, flow, i, j, d,
                     place(candidates.which[slot]), candidates.normal[slot], candidates.point[slot],
-                    -candidates.gap[slot], total, tau, beta, dt,
+                    -candidates.gap[slot], total, tau, beta, step,
                 )
                 # fmt: on
                 force += f
@@ -193,7 +195,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         if wp.static(laws.account):
             since = energy.pair[pair]
             lost = since + account + power * dt
-            energy.pair[pair] = vec4(account[0], lost[1], lost[2], lost[3])
+            energy.pair[pair] = wide4(account[0], lost[1], lost[2], lost[3])
             energy.power[pair] = power
 
     return pair_forces

@@ -18,14 +18,15 @@ from warpdem.kernels.codes import (
     feature_of_partner,
     kind_of,
 )
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import FARTHEST, NARROW, mat33, real, vec3, wide, wide3
 from warpdem.kernels.surfaces import height_above
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
 
-FAR = wp.constant(real(1.0e300))
+FAR = wp.constant(real(FARTHEST))
 # sine squared of the angle under which two edges count as parallel: their vertices carry the load
-PARALLEL = wp.constant(real(1.0e-10))
+# as far as rounding of the edges' ends allows
+PARALLEL = wp.constant(wide(1.0e-8 if NARROW else 1.0e-10))
 
 
 @wp.struct
@@ -104,9 +105,12 @@ def edge_edge(
     touched: bool,
 ) -> Hit:
     """Two edges, both closest points strictly inside; parallel edges are left to their vertices."""
-    u = p1 - p
-    v = q1 - q
-    w = p - q
+    along = p1 - p
+    across = q1 - q
+    # edges that are nearly parallel leave little of these products
+    u = wide3(along)
+    v = wide3(across)
+    w = wide3(p - q)
     uu = wp.dot(u, u)
     vv = wp.dot(v, v)
     uv = wp.dot(u, v)
@@ -117,13 +121,14 @@ def edge_edge(
         return apart()
     s = uv * vw - vv * uw
     t = uu * vw - uv * uw
-    inside = s > real(0.0) and s < area and t > real(0.0) and t < area
+    inside = s > wide(0.0) and s < area and t > wide(0.0) and t < area
     if not inside and not touched:
         return apart()
     outside = wp.where(inside, real(0.0), real(1.0))
-    s = wp.clamp(s / area, real(0.0), real(1.0))
-    t = wp.clamp(t / area, real(0.0), real(1.0))
-    return between(p + u * s, q + v * t, radius_i, radius_j, margin, outside)
+    on_owner = real(wp.clamp(s / area, wide(0.0), wide(1.0)))
+    on_partner = real(wp.clamp(t / area, wide(0.0), wide(1.0)))
+    foot = q + across * on_partner
+    return between(p + along * on_owner, foot, radius_i, radius_j, margin, outside)
 
 
 @inlined()

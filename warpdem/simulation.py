@@ -26,6 +26,7 @@ from warpdem.filling.placement import place
 from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.integrate import orient
 from warpdem.lists import Lists
+from warpdem.precision import bind
 from warpdem.sleeping import Sleeping, note_of
 from warpdem.stages import (
     Stage,
@@ -84,6 +85,7 @@ class Simulation:
     ) -> None:
         if scene.run.method != "smooth":
             raise WarpdemError('run.method = "nonsmooth": fly it by warpdem.run, not a Simulation')
+        bind(scene.run.precision)
         self.scene = scene
         tell = progress or (lambda _: None)
         tell("shapes")
