@@ -1,9 +1,9 @@
 """Number types of the device code, bound once a process (see choice.py).
 
 ``real`` and its vectors are of the geometry relative to a pair and of its forces; ``wide`` ones of
-all that is summed up over steps: positions, orientations, momenta, times, energies and what contacts
-remember. In ``float64`` they are the same. In ``mixed`` a difference of positions is taken in
-``wide`` and then narrowed, and what a step adds to a sum is widened.
+all that is summed up over steps: positions, orientations, momenta, times, energies and what
+contacts remember. In ``float64`` they are the same. In ``mixed`` a difference of positions is taken
+in ``wide`` and then narrowed, and what a step adds to a sum is widened.
 """
 
 import warp as wp

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from warpdem.errors import WarpdemError
 from warpdem.precision import bind
 
 if TYPE_CHECKING:
@@ -11,13 +12,24 @@ if TYPE_CHECKING:
     from warpdem.simulation import Simulation as Simulation_
 
 
+def admit(scene: Scene) -> None:
+    """See that a scene can be simulated in this process, and bind its precision.
+
+    Raises:
+        WarpdemError: It is one of rockfall, or another precision is bound already.
+    """
+    if scene.run.method != "smooth":
+        raise WarpdemError('run.method = "nonsmooth": fly it by warpdem.run, not a Simulation')
+    bind(scene.run.precision)
+
+
 def Simulation(scene: Scene, **options: Any) -> Simulation_:  # noqa: N802 - stands for the class
     """The bodies of a scene in motion; see ``warpdem.simulation.Simulation`` for the options.
 
     Raises:
-        WarpdemError: As of the class; and another precision is bound in this process.
+        WarpdemError: As of the class.
     """
-    bind(scene.run.precision)
+    admit(scene)
     from warpdem.simulation import Simulation  # noqa: PLC0415 - binds the precision
 
     return Simulation(scene, **options)
