@@ -19,7 +19,7 @@ from warpdem.kernels.bonding import (
     yielding,
 )
 from warpdem.kernels.narrow import FAR, Hit, feature_pair
-from warpdem.kernels.precision import vec3, wide, wide3, wide4
+from warpdem.kernels.precision import wide, wide3, wide4
 from warpdem.kernels.tangential import laid, spun
 from warpdem.kernels.variant import inlined, variant
 from warpdem.kernels.views import Bodies, BondLaw, Bonds, Clock, Geometry
@@ -261,7 +261,7 @@ def bond_forces(laws: BondLaws) -> wp.Kernel:
         excess = wide(0.0)
         mode = int(0)
         for bond in range(bonds.start[k], bonds.start[k + 1]):
-            hit = gap_of(geometry, bodies, i, j, vec3(d), FAR, True, bonds.code[bond])
+            hit = gap_of(geometry, bodies, i, j, d, FAR, True, bonds.code[bond])
             # edges that have become parallel have no closest points: no force while they are so
             if hit.gap < FAR:
                 share = apply(bodies, bonds, law, i, j, d, bond, hit, beta, dt)

@@ -160,7 +160,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         step = real(dt)
         law = materials[pairs.material[pair]]
         touching, freed, unrolled = find(
-            geometry, bodies, candidates, i, j, law, d, start, end, margin
+            geometry, bodies, candidates, i, j, law, apart, start, end, margin
         )
         pairs.touching[pair] = touching
         if wp.static(laws.damped and laws.predicted):

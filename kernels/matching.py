@@ -9,7 +9,7 @@ import functools
 import warp as wp
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.neighbours import lower_bound
-from warpdem.kernels.precision import real, vec3, wide, wide4
+from warpdem.kernels.precision import real, vec3, wide, wide3, wide4
 from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import Bodies, Candidates, Cell, Geometry, Pairs
 
@@ -50,7 +50,7 @@ def hand_over(gap_of: wp.Function, laws: Laws) -> wp.Function:
         candidates: Candidates,
         i: int,
         j: int,
-        d: vec3,
+        d: wide3,
         start: int,
         end: int,
         touching: int,

@@ -89,12 +89,12 @@ def pack(laws: Laws) -> wp.Function:
         reach = real(0.0)
         if wp.static(laws.reaching):
             reach = law.dncut
-        d = vec3(bodies.position[i] - bodies.position[j])
+        d = bodies.position[i] - bodies.position[j]
         slot = int(start)
         for c in range(start, end):
             hit = gap_of(geometry, bodies, i, j, d, reach, False, candidates.code[c])
             if hit.gap < reach and hit.outside == real(0.0):
-                motion = motion_at(bodies, Flow(), i, j, d, hit.normal, hit.point, dt)
+                motion = motion_at(bodies, Flow(), i, j, vec3(d), hit.normal, hit.point, dt)
                 gap = hit.gap + real(0.5) * dt * motion.approach
                 if hit.gap < real(0.0):
                     gap = wp.min(gap, real(0.0))

@@ -90,7 +90,9 @@ def one_pair(laws: Laws) -> wp.Function:
         d = vec3(apart)
         step = real(dt)
         law = materials[pairs.material[pair]]
-        hit, near, freed, unrolled = find(geometry, bodies, candidates, i, j, law, d, pair, margin)
+        hit, near, freed, unrolled = find(
+            geometry, bodies, candidates, i, j, law, apart, pair, margin
+        )
         account = given_up(law, freed, unrolled)
         power = wide4()
         force = vec3()
@@ -193,7 +195,7 @@ def locate_contacts(laws: Laws) -> wp.Kernel:
             d = bodies.position[i] - bodies.position[j]
             if wp.static(laws.periodic):
                 d -= cell.edges[0] * real_vector(pairs.image[pair])
-            hit = gap_of(geometry, bodies, i, j, vec3(d), FAR, True, candidates.code[pair])
+            hit = gap_of(geometry, bodies, i, j, d, FAR, True, candidates.code[pair])
             candidates.normal[pair] = hit.normal
             candidates.point[pair] = hit.point
             candidates.gap[pair] = hit.gap

@@ -19,9 +19,9 @@ WIDE_AXIS = wp.constant(wide3(wide(0.0), wide(0.0), wide(1.0)))
 
 
 @wp.func
-def height_over(surface: int, radius: real, rotation: mat33, p: vec3):
+def height_over(surface: int, radius: real, rotation: mat33, p: wide3):
     """Distance of p, about the surface's origin, from it on its free side [m], and the normal."""
-    axis = rotation * AXIS
+    axis = wide3(rotation * AXIS)
     height = wp.dot(axis, p)
     normal = axis
     if surface != PLANE:
@@ -29,15 +29,15 @@ def height_over(surface: int, radius: real, rotation: mat33, p: vec3):
         if surface == CYLINDER:
             outward = p - axis * height
         away = wp.length(outward)
-        height = radius - away
+        height = wide(radius) - away
         normal = -outward
-        if away > real(0.0):
+        if away > wide(0.0):
             normal = normal / away
-    return height, normal
+    return real(height), vec3(normal)
 
 
 @inlined()
-def height_above(geometry: Geometry, bodies: Bodies, body: int, p: vec3):
+def height_above(geometry: Geometry, bodies: Bodies, body: int, p: wide3):
     """``height_over`` the surface of a body, p about its origin in world axes."""
     shape = geometry.shape[body]
     radius = geometry.surface_radius[shape] * geometry.scale[body]
@@ -48,9 +48,9 @@ def height_above(geometry: Geometry, bodies: Bodies, body: int, p: vec3):
 @inlined()
 def surface_near(geometry: Geometry, bodies: Bodies, i: int, j: int, skin: wide) -> bool:
     """Whether the bounding sphere of i comes within the skin of the surface j."""
-    d = vec3(bodies.position[i] - bodies.position[j])
+    d = bodies.position[i] - bodies.position[j]
     height, _normal = height_above(geometry, bodies, j, d)
-    return height <= real(geometry.bound[i]) + widened(geometry, i, j, d, skin)
+    return height <= real(geometry.bound[i]) + widened(geometry, i, j, vec3(d), skin)
 
 
 @inlined()
@@ -93,7 +93,7 @@ def vertices_above(*, fill: bool) -> wp.Function:
         vertex = geometry.vertex_start[geometry.shape[i]]
         for a in range(geometry.vertex_start[geometry.shape[i] + 1] - vertex):
             if geometry.vertex_active[vertex + a] != 0:
-                height, _normal = height_above(geometry, bodies, j, d + bodies.arm[arm + a])
+                height, _normal = height_above(geometry, bodies, j, wide3(d + bodies.arm[arm + a]))
                 if height <= reach:
                     n = put(code, n, VS, a, 0)
         return n

@@ -8,7 +8,7 @@ from warpdem.kernels.laws import Laws
 from warpdem.kernels.matching import hand_over
 from warpdem.kernels.narrow import feature_pair
 from warpdem.kernels.normal import pair_frequency
-from warpdem.kernels.precision import real, vec3, wide, wide4
+from warpdem.kernels.precision import real, vec3, wide, wide3, wide4
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined, place
 from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Material
@@ -29,7 +29,7 @@ def find_touching(laws: Laws) -> wp.Function:
         i: int,
         j: int,
         law: Material,
-        d: vec3,
+        d: wide3,
         start: int,
         end: int,
         margin: real,
@@ -105,7 +105,7 @@ def find_single(laws: Laws) -> wp.Function:
         i: int,
         j: int,
         law: Material,
-        d: vec3,
+        d: wide3,
         c: int,
         margin: real,
     ):
