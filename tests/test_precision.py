@@ -6,14 +6,14 @@ import sys
 
 import numpy as np
 import pytest
-from gates import MIXED
+from warpdem.kernels.precision import NARROW
 
 from warpdem import Simulation
 from warpdem.checks.check import check
 from warpdem.errors import SceneError, WarpdemError
 from warpdem.input.decode import load, loads
 
-OTHER = "float64" if MIXED else "mixed"
+OTHER = "float64" if NARROW else "mixed"
 SCENE = """
 title = "cubes and a ball fall on a plate"
 run = {duration = 0.1, dt = 1e-4, device = "cpu"}
@@ -24,7 +24,7 @@ shape = [
 ]
 body = [
     {shape = "floor", group = "wall", position = [0.0, 0.0, 0.0], fixed = true},
-    {shape = "cube", group = "rock", position = [0.0, 0.0, 0.05], spin = [0.0, 2.0, 0.0]},
+    {shape = "cube", group = "rock", position = [0.0, 0.0, 0.0501], spin = [0.0, 2.0, 0.0]},
     {shape = "cube", group = "rock", position = [0.04, 0.0, 0.16], velocity = [0.0, 0.1, -1.0]},
     {shape = "ball", group = "rock", position = [0.01, 0.02, 0.27], velocity = [0.2, 0.0, -1.0]},
 ]
@@ -62,11 +62,13 @@ def runs(tmp_path_factory):
     return folder
 
 
-def test_mixed_precision_moves_bodies_as_double_does_within_a_few_micrometres(runs):
+def test_mixed_precision_moves_bodies_as_double_does(runs):
     double, mixed = states(runs / "float64"), states(runs / "mixed")
 
     assert not np.array_equal(double, mixed)
-    assert double == pytest.approx(mixed, rel=1e-3, abs=1e-4)
+    places = slice(2, 5)
+    assert mixed[:, places] == pytest.approx(double[:, places], rel=0, abs=5e-6)
+    assert mixed == pytest.approx(double, rel=0, abs=1e-3)
 
 
 def test_a_mixed_run_that_stopped_goes_on_bitwise(runs):
@@ -99,8 +101,8 @@ def test_candidates_and_pairs_take_less_memory_in_mixed_precision():
         for name in ("float64", "mixed")
     )
 
-    assert mixed["candidate"] < 0.8 * double["candidate"]
-    assert mixed["pair"] < 0.8 * double["pair"]
+    assert mixed["candidate"] < 0.85 * double["candidate"]
+    assert mixed["pair"] < 0.85 * double["pair"]
 
 
 def test_rockfall_is_in_double_precision(tmp_path):
