@@ -13,7 +13,7 @@ from warpdem.kernels.driving import follow, respond
 from warpdem.kernels.external import Forces, external_forces
 from warpdem.kernels.gathering import gathering
 from warpdem.kernels.integrate import book, place_arms, world_inverse
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import mat33, wide, wide3
 from warpdem.kernels.rotation import arc
 from warpdem.kernels.sleep import dormancy, time_slow
 from warpdem.kernels.variant import compiled, inlined, place
@@ -77,8 +77,8 @@ def driving(motion: Motion) -> wp.Function:
     def driving(
         geometry: Geometry,
         inertia: Inertia,
-        lever: real,
-        dt: real,
+        lever: wide,
+        dt: wide,
         kicks: int,
         drifts: int,
         pairs: Pairs,
@@ -107,7 +107,7 @@ def driving(motion: Motion) -> wp.Function:
             before = bodies.position[body]
             faced = bodies.orientation[body]
             follow_drives(inertia, drives, bodies, body, dt)
-            bodies.rotation[body] = wp.quat_to_matrix(bodies.orientation[body])
+            bodies.rotation[body] = mat33(wp.quat_to_matrix(bodies.orientation[body]))
             place_arms(geometry, bodies, body)
             if wp.static(motion.paths):
                 moved = wp.length(bodies.position[body] - before)
@@ -123,8 +123,8 @@ def driving(motion: Motion) -> wp.Function:
                 bodies.spin[body],
                 bodies.spin[body],
                 lever,
-                real(0.0),
-                real(0.0),
+                wide(0.0),
+                wide(0.0),
             )
 
     return driving
@@ -139,9 +139,9 @@ def kicking(torque_of: wp.Function, forces: Forces, motion: Motion) -> wp.Functi
     @inlined()
     def kicking(
         inertia: Inertia,
-        gravity: vec3,
+        gravity: wide3,
         external: External,
-        dt: real,
+        dt: wide,
         pairs: Pairs,
         incidence: Incidence,
         glue: Bonds,
@@ -151,7 +151,7 @@ def kicking(torque_of: wp.Function, forces: Forces, motion: Motion) -> wp.Functi
         energy: Account,
         body: int,
     ):
-        jump = vec3()
+        jump = wide3()
         force, torque = gather_all(pairs, incidence, glue, joined, bodies, body)
         weight = gravity * inertia.mass[body]
         if wp.static(forces.some):
@@ -184,11 +184,11 @@ def turning(rotate: wp.Function, motion: Motion) -> wp.Function:
         inertia: Inertia,
         bodies: Bodies,
         body: int,
-        spun: vec3,
-        torque: vec3,
-        dt: real,
+        spun: wide3,
+        torque: wide3,
+        dt: wide,
     ):
-        half = real(0.5) * dt
+        half = wide(0.5) * dt
         inverse = inertia.inverse_moment[body]
         if wp.static(not motion.turns):
             kicked = spun + torque * half
@@ -196,7 +196,7 @@ def turning(rotate: wp.Function, motion: Motion) -> wp.Function:
         q, turned = rotate(bodies.orientation[body], spun, torque, inertia.moment[body], dt)
         bodies.orientation[body] = q
         rotation = wp.quat_to_matrix(q)
-        bodies.rotation[body] = rotation
+        bodies.rotation[body] = mat33(rotation)
         place_arms(geometry, bodies, body)
         if wp.static(motion.spherical):
             return turned, turned * inverse[0], torque * (half * inverse[0])
@@ -221,18 +221,18 @@ def drifting(rotate: wp.Function, motion: Motion) -> wp.Function:
     def drifting(
         geometry: Geometry,
         inertia: Inertia,
-        lever: real,
-        dt: real,
+        lever: wide,
+        dt: wide,
         cell: Cell,
         bodies: Bodies,
         clock: Clock,
         body: int,
-        momentum: vec3,
-        spun: vec3,
-        force: vec3,
-        torque: vec3,
+        momentum: wide3,
+        spun: wide3,
+        force: wide3,
+        torque: wide3,
     ):
-        half = real(0.5) * dt
+        half = wide(0.5) * dt
         inverse_mass = inertia.inverse_mass[body]
         kicked = momentum + force * half
         velocity = kicked * inverse_mass
@@ -249,7 +249,7 @@ def drifting(rotate: wp.Function, motion: Motion) -> wp.Function:
             time_slow(geometry, bodies, body, dt)
         watched = dt
         if wp.static(not motion.contacts):
-            watched = real(0.0)
+            watched = wide(0.0)
         watch(geometry, bodies, cell, clock, body, velocity, before, spin, lever, dt, watched)
         return kicked, turned
 
@@ -276,11 +276,11 @@ def advance(
         # model
         geometry: Geometry,
         inertia: Inertia,
-        gravity: vec3,
+        gravity: wide3,
         external: External,
         # in
-        lever: real,
-        dt: real,
+        lever: wide,
+        dt: wide,
         kicks: int,
         drifts: int,
         span: wp.array(dtype=wp.int32),
@@ -299,7 +299,7 @@ def advance(
         body = place(wp.tid() + span[0])
         if body >= span[1] or clock.halted[0] != 0:
             return
-        if inertia.inverse_mass[body] == real(0.0):
+        if inertia.inverse_mass[body] == wide(0.0):
             if wp.static(motion.driven):
                 # fmt: off
                 drive(
@@ -313,8 +313,8 @@ def advance(
                 return
         momentum = bodies.momentum[body]
         spun = bodies.angular_momentum[body]
-        force = vec3()
-        torque = vec3()
+        force = wide3()
+        torque = wide3()
         if kicks != 0:
             # fmt: off
             force, torque, jump = kick(
@@ -322,8 +322,8 @@ def advance(
                 energy, body,
             )
             # fmt: on
-            momentum += jump + force * (real(0.5) * dt)
-            spun += torque * (real(0.5) * dt)
+            momentum += jump + force * (wide(0.5) * dt)
+            spun += torque * (wide(0.5) * dt)
             if drifts == 0:
                 bodies.force[body] = force
                 bodies.torque[body] = torque

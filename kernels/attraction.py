@@ -13,7 +13,7 @@ from warpdem.kernels.cohesion import (
 from warpdem.kernels.kinematics import Kinematics
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.normal import onset
-from warpdem.kernels.precision import real, vec4
+from warpdem.kernels.precision import real, wide, wide4
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Candidates, Geometry, Material
 
@@ -50,7 +50,7 @@ def forget(laws: Laws) -> wp.Function:
 
     @inlined()
     def forget(candidates: Candidates, law: Material, c: int):
-        account = vec4()
+        account = wide4()
         if wp.static(laws.account):
             past = candidates.past[c]
             share = real(1.0)
@@ -58,14 +58,14 @@ def forget(laws: Laws) -> wp.Function:
                 share = candidates.share[c]
             if law.kt > real(0.0) and share > real(0.0):
                 held = past[0] * past[0] + past[1] * past[1] + past[2] * past[2]
-                account[2] = held / (real(2.0) * law.kt * share)
+                account[2] = held / wide(real(2.0) * law.kt * share)
             if wp.static(laws.rolling):
                 if law.kr > real(0.0) and share > real(0.0):
                     rolled = candidates.rolled[c]
-                    account[3] = wp.dot(rolled, rolled) / (real(2.0) * law.kr * share)
-        candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+                    account[3] = wp.dot(rolled, rolled) / wide(real(2.0) * law.kr * share)
+        candidates.past[c] = wide4(wide(0.0), wide(0.0), wide(0.0), wide(-1.0))
         if wp.static(laws.rolling):
-            candidates.rolled[c] = vec4()
+            candidates.rolled[c] = wide4()
         return account
 
     return forget
@@ -89,7 +89,7 @@ def apart(laws: Laws) -> wp.Function:
         dt: real,
     ):
         pull = real(0.0)
-        touched = candidates.past[c][3] >= real(0.0)
+        touched = candidates.past[c][3] >= wide(0.0)
         account = end(candidates, law, c)
         constant = law.fc
         if wp.static(laws.reaching):
@@ -97,7 +97,7 @@ def apart(laws: Laws) -> wp.Function:
                 constant = real(0.0)
                 if gap < law.dncut:
                     pull = -at_distance(law.fc, gap, law.dncut)
-                    account[0] = at_distance_energy(law.fc, gap, law.dncut)
+                    account[0] = wide(at_distance_energy(law.fc, gap, law.dncut))
         if wp.static(laws.sticky):
             if touched:
                 if wp.static(laws.adhesion):

@@ -1,7 +1,7 @@
 """The law of rock avalanches: a spring that unloads along en2 times its stiffness, no dashpot."""
 
 import warp as wp
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import FARTHEST, real, vec3
 
 
 @wp.func
@@ -28,5 +28,5 @@ def axis_distance(branch: vec3, spin: vec3) -> real:
     """
     square = wp.dot(spin, spin)
     if square == real(0.0):
-        return real(1.0e300)
+        return real(FARTHEST)
     return wp.length(branch - spin * (wp.dot(branch, spin) / square))

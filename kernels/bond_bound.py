@@ -2,7 +2,7 @@
 
 import warp as wp
 from warpdem.kernels.measures import largest_eigenvalue, pressed
-from warpdem.kernels.precision import mat66, real, vec3
+from warpdem.kernels.precision import mat66, real, vec3, wide
 from warpdem.kernels.variant import plain
 from warpdem.kernels.views import Bodies, Bonds, Inertia, Joints
 
@@ -23,10 +23,10 @@ def bond_bound(
     The largest eigenvalue of a sum is no larger than the sum of the largest ones.
     """
     body = wp.tid()
-    inverse_mass = inertia.inverse_mass[body]
+    inverse_mass = real(inertia.inverse_mass[body])
     if inverse_mass == real(0.0):
         return
-    inverse_moment = inertia.inverse_moment[body]
+    inverse_moment = vec3(inertia.inverse_moment[body])
     inverse = wp.transpose(bodies.rotation[body])
     b = mat66()
     for m in range(joined.start[body], joined.start[body + 1]):
@@ -38,15 +38,15 @@ def bond_bound(
             j = bonds.partner[k]
             shift = vec3()
             if (code & 1) == 0:
-                shift = bodies.position[j] - bodies.position[i]
+                shift = vec3(bodies.position[j] - bodies.position[i])
             phi = real(1.0)
-            if inertia.inverse_mass[i] > real(0.0) and inertia.inverse_mass[j] > real(0.0):
+            if inertia.inverse_mass[i] > wide(0.0) and inertia.inverse_mass[j] > wide(0.0):
                 phi = real(2.0)
             for bond in range(bonds.start[k], bonds.start[k + 1]):
-                arm = inverse * (bonds.point[bond] + shift)
-                n = inverse * bonds.normal[bond]
-                kn = phi * law.kn
-                kt = phi * law.kt
-                kr = phi * law.kr
+                arm = inverse * (vec3(bonds.point[bond]) + shift)
+                n = inverse * vec3(bonds.normal[bond])
+                kn = phi * real(law.kn)
+                kt = phi * real(law.kt)
+                kr = phi * real(law.kr)
                 b = pressed(b, arm, n, kn, kt, kr, inverse_mass, inverse_moment)
     square[body] = square[body] + largest_eigenvalue(b)

@@ -19,7 +19,7 @@ from warpdem.kernels.bonding import (
     yielding,
 )
 from warpdem.kernels.narrow import FAR, Hit, feature_pair
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.precision import wide, wide3, wide4
 from warpdem.kernels.tangential import laid, spun
 from warpdem.kernels.variant import inlined, variant
 from warpdem.kernels.views import Bodies, BondLaw, Bonds, Clock, Geometry
@@ -42,25 +42,25 @@ class BondLaws(NamedTuple):
 class Stretch:
     """Motion at a bond: of the partner against the owner, at the half step and at its end."""
 
-    velocity: vec3
-    velocity_end: vec3
-    spin: vec3
-    middle: vec3  # normal at the half step
-    turn: real  # half the angle of the frame about its normal over the step [rad]
+    velocity: wide3
+    velocity_end: wide3
+    spin: wide3
+    middle: wide3  # normal at the half step
+    turn: wide  # half the angle of the frame about its normal over the step [rad]
 
 
 @wp.struct
 class Share:
     """What a bond adds to its interface."""
 
-    force: vec3
-    torque: vec3  # about the partner's centre
-    stretched: real  # elastic energy of a bond in tension [J]
-    sheared: real
-    elastic: real
-    rate: real  # of the elastic energy [W]
-    lost: real  # in the dashpots [W]
-    excess: real  # beyond the yield surface
+    force: wide3
+    torque: wide3  # about the partner's centre
+    stretched: wide  # elastic energy of a bond in tension [J]
+    sheared: wide
+    elastic: wide
+    rate: wide  # of the elastic energy [W]
+    lost: wide  # in the dashpots [W]
+    excess: wide  # beyond the yield surface
     mode: int
 
 
@@ -73,23 +73,23 @@ def stretching(*, predicted: bool) -> wp.Function:
         bodies: Bodies,
         i: int,
         j: int,
-        d: vec3,
-        normal: vec3,
-        point: vec3,
-        old_normal: vec3,
-        old_point: vec3,
-        dt: real,
+        d: wide3,
+        normal: wide3,
+        point: wide3,
+        old_normal: wide3,
+        old_point: wide3,
+        dt: wide,
     ) -> Stretch:
         motion = Stretch()
         motion.middle = normal
         p = point
         arm = point - d
         if wp.static(predicted):
-            if dt > real(0.0):
+            if dt > wide(0.0):
                 motion.middle = wp.normalize(normal + old_normal)
-                p = (point + old_point) * real(0.5)
+                p = (point + old_point) * wide(0.5)
                 moved = bodies.velocity[i] - bodies.velocity[j]
-                arm = p - d + moved * (real(0.5) * dt)
+                arm = p - d + moved * (wide(0.5) * dt)
         motion.velocity = bodies.velocity[j] + wp.cross(bodies.spin[j], p)
         motion.velocity -= bodies.velocity[i] + wp.cross(bodies.spin[i], arm)
         motion.velocity_end = motion.velocity
@@ -98,7 +98,7 @@ def stretching(*, predicted: bool) -> wp.Function:
             motion.velocity_end -= bodies.velocity_end[i]
             motion.velocity_end -= wp.cross(bodies.spin_end[i], point - d)
         motion.spin = bodies.spin[j] - bodies.spin[i]
-        motion.turn = real(0.25) * dt * wp.dot(bodies.spin[i] + bodies.spin[j], motion.middle)
+        motion.turn = wide(0.25) * dt * wp.dot(bodies.spin[i] + bodies.spin[j], motion.middle)
         return motion
 
     return stretching
@@ -109,9 +109,9 @@ def bend(laws: BondLaws) -> wp.Function:
     """Function of a bond's moment [N m], remembered in the bond."""
 
     @inlined()
-    def bend(bonds: Bonds, bond: int, normal: vec3, motion: Stretch, step: real) -> vec3:
+    def bend(bonds: Bonds, bond: int, normal: wide3, motion: Stretch, step: wide) -> wide3:
         bent = bonds.bent[bond]
-        moment = vec3(bent[0], bent[1], bent[2])
+        moment = wide3(bent[0], bent[1], bent[2])
         if wp.static(laws.objective):
             middle = motion.middle
             moment = spun(laid(moment, middle), middle, motion.turn) + middle * bent[3]
@@ -119,10 +119,10 @@ def bend(laws: BondLaws) -> wp.Function:
             about = wp.dot(moment, middle)
             flat = laid(spun(moment - middle * about, middle, motion.turn), normal)
             moment = flat + normal * about
-            bonds.bent[bond] = vec4(flat[0], flat[1], flat[2], about)
+            bonds.bent[bond] = wide4(flat[0], flat[1], flat[2], about)
         else:
             moment += motion.spin * step
-            bonds.bent[bond] = vec4(moment[0], moment[1], moment[2], real(0.0))
+            bonds.bent[bond] = wide4(moment[0], moment[1], moment[2], wide(0.0))
         return moment
 
     return bend
@@ -141,28 +141,30 @@ def apply_bond(laws: BondLaws) -> wp.Function:
         law: BondLaw,
         i: int,
         j: int,
-        d: vec3,
+        d: wide3,
         bond: int,
         hit: Hit,
-        beta: real,
-        dt: real,
+        beta: wide,
+        dt: wide,
     ) -> Share:
         share = Share()
-        n = hit.normal
-        motion = motion_at(bodies, i, j, d, n, hit.point, bonds.normal[bond], bonds.point[bond], dt)
+        n = wide3(hit.normal)
+        point = wide3(hit.point)
+        gap = wide(hit.gap)
+        motion = motion_at(bodies, i, j, d, n, point, bonds.normal[bond], bonds.point[bond], dt)
         middle = motion.middle
         sliding = motion.velocity - middle * wp.dot(motion.velocity, middle)
         approach_end = wp.dot(motion.velocity_end, n)
         sliding_end = motion.velocity_end - n * approach_end
         held = bonds.held[bond]
-        before = vec3(held[0], held[1], held[2])
-        pull = hit.gap - bonds.rest[bond]
+        before = wide3(held[0], held[1], held[2])
+        pull = gap - bonds.rest[bond]
         fe = -law.kn * pull
         cn = law.kn * law.tau
         fn = fe
         if wp.static(laws.damping):
             fn = glued(fe, cn, approach_end, beta, held[3])
-            if cn > real(0.0):
+            if cn > wide(0.0):
                 approach_end += (held[3] - fn) * beta / cn
             share.lost += (fn - fe) * approach_end
         elastic = before
@@ -180,27 +182,27 @@ def apply_bond(laws: BondLaws) -> wp.Function:
             else:
                 old = laid(before + bonds.viscous[bond], n)
                 ft = glued_across(elastic, cn, sliding_end, beta, old)
-                if cn > real(0.0):
+                if cn > wide(0.0):
                     sliding_end += (old - ft) * (beta / cn)
                 share.lost += wp.dot(ft - elastic, sliding_end)
                 bonds.viscous[bond] = ft - elastic
-        moment = vec3()
+        moment = wide3()
         if wp.static(laws.moments):
-            if law.kr > real(0.0):
+            if law.kr > wide(0.0):
                 moment = moment_of(bonds, bond, n, motion, law.kr * dt)
-                share.elastic += wp.dot(moment, moment) / (real(2.0) * law.kr)
+                share.elastic += wp.dot(moment, moment) / (wide(2.0) * law.kr)
                 share.rate += wp.dot(moment, motion.spin)
-        bonds.held[bond] = vec4(elastic[0], elastic[1], elastic[2], fn)
+        bonds.held[bond] = wide4(elastic[0], elastic[1], elastic[2], fn)
         bonds.normal[bond] = n
-        bonds.point[bond] = hit.point
-        bonds.gap[bond] = hit.gap
+        bonds.point[bond] = point
+        bonds.gap[bond] = gap
         share.force = n * fn + ft
-        share.torque = wp.cross(hit.point, share.force) + moment
-        stored = real(0.5) * law.kn * pull * pull
-        if pull > real(0.0):
+        share.torque = wp.cross(point, share.force) + moment
+        stored = wide(0.5) * law.kn * pull * pull
+        if pull > wide(0.0):
             share.stretched = stored
-        if law.kt > real(0.0):
-            share.sheared = wp.dot(elastic, elastic) / (real(2.0) * law.kt)
+        if law.kt > wide(0.0):
+            share.sheared = wp.dot(elastic, elastic) / (wide(2.0) * law.kt)
         share.elastic += stored + share.sheared
         share.rate += fe * approach_end + wp.dot(elastic, sliding_end)
         t = wp.length(ft)
@@ -229,7 +231,7 @@ def bond_forces(laws: BondLaws) -> wp.Kernel:
         # model
         geometry: Geometry,
         # in
-        dt: real,
+        dt: wide,
         span: wp.array(dtype=wp.int32),
         bodies: Bodies,
         # in and out
@@ -246,17 +248,17 @@ def bond_forces(laws: BondLaws) -> wp.Kernel:
         d = bodies.position[i] - bodies.position[j]
         law = bonds.law[k]
         beta = implicit_share(law.rate, law.decay, dt)
-        if law.rate == real(0.0) or dt == real(0.0):
-            beta = real(0.0)
-        force = vec3()
-        torque = vec3()
+        if law.rate == wide(0.0) or dt == wide(0.0):
+            beta = wide(0.0)
+        force = wide3()
+        torque = wide3()
         energy = bonds.energy[k]
-        elastic = real(0.0)
-        rate = real(0.0)
-        stretched = real(0.0)
-        sheared = real(0.0)
-        power = real(0.0)
-        excess = real(0.0)
+        elastic = wide(0.0)
+        rate = wide(0.0)
+        stretched = wide(0.0)
+        sheared = wide(0.0)
+        power = wide(0.0)
+        excess = wide(0.0)
         mode = int(0)
         for bond in range(bonds.start[k], bonds.start[k + 1]):
             hit = gap_of(geometry, bodies, i, j, d, FAR, True, bonds.code[bond])
@@ -278,7 +280,7 @@ def bond_forces(laws: BondLaws) -> wp.Kernel:
         bonds.torque_partner[k] = -torque
         energy[0] = elastic
         energy[1] = rate
-        energy[2] = energy[2] + real(0.5) * dt * (bonds.power[k] + power)
+        energy[2] = energy[2] + wide(0.5) * dt * (bonds.power[k] + power)
         bonds.energy[k] = energy
         bonds.power[k] = power
         if mode == 0:

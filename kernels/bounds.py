@@ -5,9 +5,24 @@ two bodies together move by less than the skin.
 """
 
 import warp as wp
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import NARROW, ROUNDING, real, vec3, wide
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
+
+# sine squared of the angle under which two segments count as parallel
+PARALLEL = wp.constant(real(1.0e-6 if NARROW else 1.0e-12))
+
+
+@inlined()
+def widened(geometry: Geometry, i: int, j: int, d: vec3, skin: wide) -> real:
+    """A skin, and in mixed precision what rounding may hide of it; d = x_i - x_j."""
+    grown = real(skin)
+    if wp.static(NARROW):
+        extent = real(geometry.bound[i]) + wp.length(d)
+        if geometry.surface[geometry.shape[j]] == 0:
+            extent += real(geometry.bound[j])
+        grown += real(wp.static(ROUNDING)) * extent
+    return grown
 
 
 @inlined()
@@ -47,7 +62,7 @@ def bodies_near(geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, ski
     ``d`` is the centre of i about that of j, or of its image.
     """
     if geometry.large[i] == 0 and geometry.large[j] == 0:
-        near = geometry.bound[i] + geometry.bound[j] + skin
+        near = real(geometry.bound[i]) + real(geometry.bound[j]) + skin
         if wp.length_sq(d) > near * near:
             return False
         half_i = geometry.core_half[geometry.shape[i]]
@@ -110,7 +125,7 @@ def between_segments(p: vec3, p1: vec3, q: vec3, q1: vec3) -> vec3:
     vw = wp.dot(v, w)
     area = uu * vv - uv * uv
     s = real(0.0)
-    if area > real(1.0e-12) * uu * vv:
+    if area > PARALLEL * uu * vv:
         s = wp.clamp((uv * vw - uw * vv) / area, real(0.0), real(1.0))
     t = (uv * s + vw) / vv
     if t < real(0.0):

@@ -8,7 +8,7 @@ import functools
 
 import warp as wp
 from warpdem.kernels.measures import largest_eigenvalue
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import mat33, real, vec3, wide
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Candidates, Clock, Drives, Inertia, Pairs
@@ -42,15 +42,15 @@ def mobility(*, controlled: bool) -> wp.Function:
     def mobility(inertia: Inertia, drives: Drives, bodies: Bodies, body: int):
         """Frame whose rows are the axes of the turning; scales [kg^-1/2] and [kg^-1/2 m^-1]."""
         own = wp.transpose(bodies.rotation[body])
-        inverse_mass = vec3(inertia.inverse_mass[body])
-        inverse_moment = inertia.inverse_moment[body]
+        inverse_mass = vec3(real(inertia.inverse_mass[body]))
+        inverse_moment = vec3(inertia.inverse_moment[body])
         if wp.static(controlled):
             place = inertia.driven[body] - 1
             if place >= 0:
                 # a wall that follows a force, along the world's axes
                 own = wp.identity(n=3, dtype=real)
-                inverse_mass = drives.inverse_mass[place]
-                inverse_moment = drives.inverse_inertia[place]
+                inverse_mass = vec3(drives.inverse_mass[place])
+                inverse_moment = vec3(drives.inverse_inertia[place])
         along = vec3(wp.sqrt(inverse_mass[0]), wp.sqrt(inverse_mass[1]), wp.sqrt(inverse_mass[2]))
         about = vec3(
             wp.sqrt(inverse_moment[0]), wp.sqrt(inverse_moment[1]), wp.sqrt(inverse_moment[2])
@@ -64,7 +64,7 @@ def mobility(*, controlled: bool) -> wp.Function:
 def sides(inertia: Inertia, bodies: Bodies, body: int) -> real:
     """How many pairs may brake a body along one line: a free one two, a wall all that touch it."""
     acting = wp.max(bodies.braked[body], 1)
-    if inertia.inverse_mass[body] > real(0.0):
+    if inertia.inverse_mass[body] > wide(0.0):
         acting = wp.min(acting, 2)
     return real(acting)
 

@@ -8,6 +8,7 @@ twice, to count and to write.
 import functools
 
 import warp as wp
+from warpdem.kernels.bounds import widened
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.codes import EE, VS, VV, encode
 from warpdem.kernels.feature_tests import (
@@ -17,7 +18,7 @@ from warpdem.kernels.feature_tests import (
     write_features,
 )
 from warpdem.kernels.outcodes import Near, features_near, searched_whole
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import vec3, wide
 from warpdem.kernels.surfaces import is_surface, vertices_above
 from warpdem.kernels.tree_search import features_against_tree, sort
 from warpdem.kernels.variant import inlined, variant
@@ -33,7 +34,7 @@ def centres_apart(*, periodic: bool) -> wp.Function:
         d = bodies.position[pairs.owner[pair]] - bodies.position[pairs.partner[pair]]
         if wp.static(periodic):
             d -= cell.edges[0] * real_vector(pairs.image[pair])
-        return d
+        return vec3(d)
 
     return centres_apart
 
@@ -48,7 +49,7 @@ def find_near(*, periodic: bool) -> wp.Kernel:
         # model
         geometry: Geometry,
         # in
-        gap: real,
+        gap: wide,
         bodies: Bodies,
         pairs: Pairs,
         cell: Cell,
@@ -61,9 +62,9 @@ def find_near(*, periodic: bool) -> wp.Kernel:
         j = pairs.partner[pair]
         rows[pair] = 0
         if searched_whole(geometry, j):
-            skin = bodies.reach[i] + bodies.reach[j] + gap
-            reach = geometry.radius[i] + geometry.radius[j] + skin
             d = centres(bodies, pairs, cell, pair)
+            skin = widened(geometry, i, j, d, bodies.reach[i] + bodies.reach[j] + gap)
+            reach = geometry.radius[i] + geometry.radius[j] + skin
             found = features_near(geometry, bodies, i, j, d, reach)
             near[pair] = found
             rows[pair] = first_row(EE + 1, found, face_count(geometry, i))
@@ -86,7 +87,7 @@ def find_candidates(*, fill: bool, trees: bool, surfaces: bool, periodic: bool) 
         # model
         geometry: Geometry,
         # in
-        gap: real,
+        gap: wide,
         bodies: Bodies,
         pairs: Pairs,
         cell: Cell,
@@ -101,9 +102,9 @@ def find_candidates(*, fill: bool, trees: bool, surfaces: bool, periodic: bool) 
         pair = wp.tid()
         i = pairs.owner[pair]
         j = pairs.partner[pair]
-        skin = bodies.reach[i] + bodies.reach[j] + gap
-        reach = geometry.radius[i] + geometry.radius[j] + skin
         d = centres(bodies, pairs, cell, pair)
+        skin = widened(geometry, i, j, d, bodies.reach[i] + bodies.reach[j] + gap)
+        reach = geometry.radius[i] + geometry.radius[j] + skin
         start = int(0)
         if wp.static(fill):
             start = pairs.start[pair]

@@ -11,7 +11,7 @@ doi:10.1063/1.328693, Todd & Daivis (2017), Nonequilibrium Molecular Dynamics.
 import functools
 
 import warp as wp
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import wide, wide3, wide33
 from warpdem.kernels.variant import inlined, plain, variant
 from warpdem.kernels.views import Bodies, Cell, Clock, Incidence, Inertia, Pairs
 
@@ -21,19 +21,19 @@ CHUNK_COUNT = wp.constant(CHUNKS)
 
 
 @wp.func
-def real_vector(n: wp.vec3i) -> vec3:
+def real_vector(n: wp.vec3i) -> wide3:
     """Integers as a vector of reals."""
-    return vec3(real(n[0]), real(n[1]), real(n[2]))
+    return wide3(wide(n[0]), wide(n[1]), wide(n[2]))
 
 
 @wp.func
-def norm(a: mat33) -> real:
+def norm(a: wide33) -> wide:
     """Frobenius norm, a bound of what a matrix does to a length."""
     return wp.sqrt(wp.ddot(a, a))
 
 
 @inlined()
-def branch_of(bodies: Bodies, pairs: Pairs, cell: Cell, pair: int) -> vec3:
+def branch_of(bodies: Bodies, pairs: Pairs, cell: Cell, pair: int) -> wide3:
     """Centre of the owner about that of the partner's image [m]."""
     i = pairs.owner[pair]
     j = pairs.partner[pair]
@@ -42,9 +42,9 @@ def branch_of(bodies: Bodies, pairs: Pairs, cell: Cell, pair: int) -> vec3:
 
 
 @inlined()
-def advance_cell(cell: Cell, dt: real):
+def advance_cell(cell: Cell, dt: wide):
     """Half kick and drift of the edges, and what became of them since the lists were made."""
-    half = real(0.5) * dt
+    half = wide(0.5) * dt
     edges = cell.edges[0]
     kicked = cell.acceleration[0] * edges * half
     rate = cell.rate[0] + kicked
@@ -54,13 +54,13 @@ def advance_cell(cell: Cell, dt: real):
     cell.time[0] = cell.time[0] + dt
     since = cell.edges[0] * wp.inverse(cell.listed[0])
     cell.since[0] = since
-    cell.stretch[0] = norm(since - wp.identity(n=3, dtype=real))
+    cell.stretch[0] = norm(since - wp.identity(n=3, dtype=wide))
 
 
 @plain
 def drift_cell(
     # in
-    dt: real,
+    dt: wide,
     clock: Clock,
     # in and out
     cell: Cell,
@@ -91,18 +91,18 @@ def sum_stress(*, predicted: bool) -> wp.Kernel:
         chunk = wp.tid() + span[0]
         if chunk >= span[1] or clock.halted[0] != 0:
             return
-        total = mat33()
+        total = wide33()
         pair_count = incidence.start[body_count]
         first = int(wp.int64(pair_count) * wp.int64(chunk) / wp.int64(CHUNK_COUNT))
         last = int(wp.int64(pair_count) * wp.int64(chunk + 1) / wp.int64(CHUNK_COUNT))
         for pair in range(first, last):
             if pairs.touching[pair] > 0:
-                total += wp.outer(pairs.force[pair], branch_of(bodies, pairs, cell, pair))
+                total += wp.outer(wide3(pairs.force[pair]), branch_of(bodies, pairs, cell, pair))
         first = int(wp.int64(body_count) * wp.int64(chunk) / wp.int64(CHUNK_COUNT))
         last = int(wp.int64(body_count) * wp.int64(chunk + 1) / wp.int64(CHUNK_COUNT))
         flow = cell.rate_end[0] * wp.inverse(cell.edges[0])
         for body in range(first, last):
-            if inertia.inverse_mass[body] > real(0.0):
+            if inertia.inverse_mass[body] > wide(0.0):
                 velocity = bodies.velocity[body]
                 if wp.static(predicted):
                     velocity = bodies.velocity_end[body]
@@ -115,13 +115,13 @@ def sum_stress(*, predicted: bool) -> wp.Kernel:
 
 @wp.func
 def controlled(
-    stress: mat33, target: mat33, held: mat33, gradient: mat33, pull: real, damping: real
-) -> mat33:
+    stress: wide33, target: wide33, held: wide33, gradient: wide33, pull: wide, damping: wide
+) -> wide33:
     """L' of the components held at a stress (``held`` 1): (V/M)(stress - target) - damping L."""
-    rate = mat33()
+    rate = wide33()
     for a in range(3):
         for b in range(3):
-            excess = real(0.5) * (stress[a, b] + stress[b, a]) - target[a, b]
+            excess = wide(0.5) * (stress[a, b] + stress[b, a]) - target[a, b]
             rate[a, b] = held[a, b] * (pull * excess - damping * gradient[a, b])
     return rate
 
@@ -133,7 +133,7 @@ def kick_cell(*, sums: bool, onward: bool) -> wp.Kernel:
     @variant
     def kick_cell(
         # in
-        dt: real,
+        dt: wide,
         clock: Clock,
         # in and out
         cell: Cell,
@@ -142,13 +142,13 @@ def kick_cell(*, sums: bool, onward: bool) -> wp.Kernel:
             return
         edges = cell.edges[0]
         inverse = wp.inverse(edges)
-        half = real(0.5) * dt
+        half = wide(0.5) * dt
         guess = cell.rate_end[0] * inverse
-        active = real(0.0)
+        active = wide(0.0)
         if cell.time[0] >= cell.start[0] - half and cell.time[0] < cell.stop[0] - half:
-            active = real(1.0)
-        total = mat33()
-        wanted = mat33()
+            active = wide(1.0)
+        total = wide33()
+        wanted = wide33()
         if wp.static(sums):
             for chunk in range(CHUNK_COUNT):
                 total += cell.sums[chunk]
@@ -160,12 +160,12 @@ def kick_cell(*, sums: bool, onward: bool) -> wp.Kernel:
         acceleration = wanted + guess * guess
         gradient = cell.rate[0] * inverse + acceleration * half
         # components of given rate have it exactly; the others stand still when control is off
-        jump = mat33()
+        jump = wide33()
         for a in range(3):
             for b in range(3):
                 free = cell.held[0][a, b] * active
                 goal = cell.given[0][a, b] * active
-                jump[a, b] = (real(1.0) - free) * (goal - gradient[a, b])
+                jump[a, b] = (wide(1.0) - free) * (goal - gradient[a, b])
         if wp.static(sums):
             power = -wp.ddot(total, gradient)
             cell.work[0] = cell.work[0] + half * (cell.power[0] + power)

@@ -21,7 +21,7 @@ from warpdem.kernels.codes import (
     kind_of,
 )
 from warpdem.kernels.narrow import FAR
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import mat33, real, vec3, wide3
 from warpdem.kernels.surfaces import height_above
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
@@ -116,7 +116,7 @@ def clearance(*, surfaces: bool) -> wp.Function:
         p = d + bodies.arm[arm_i + a]
         if wp.static(surfaces):
             if kind == VS:
-                height, _normal = height_above(geometry, bodies, j, p)
+                height, _normal = height_above(geometry, bodies, j, wide3(p))
                 return height - geometry.radius[i]
         return wp.length(p - bodies.arm[arm_j + b]) - radii
 

@@ -12,7 +12,7 @@ from warpdem.kernels.friction_laws import rolling_law, tangential_law
 from warpdem.kernels.kinematics import Flow, Kinematics, branch, kinematics
 from warpdem.kernels.laws import AVALANCHE, Laws
 from warpdem.kernels.normal_laws import normal_law
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.precision import real, vec3, wide, wide3, wide4
 from warpdem.kernels.sharing import SHARES, carried_share, passive_share
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Material
@@ -117,8 +117,8 @@ def touch_of(laws: Laws) -> wp.Function:
         touch.overlap = overlap
         touch.share = share
         touch.stiffness = share * law.kn
-        touch.before = wp.max(past[3], real(0.0))
-        touch.fresh = past[3] < real(0.0)
+        touch.before = real(wp.max(past[3], wide(0.0)))
+        touch.fresh = past[3] < wide(0.0)
         touch.tau = tau
         touch.beta = beta
         touch.dt = dt
@@ -134,7 +134,7 @@ def touch_of(laws: Laws) -> wp.Function:
             radius_i = geometry.radius[i]
             radius_j = geometry.radius[j]
             touch.radius = curvature_radius(kind_of(candidates.code[c]), radius_i, radius_j)
-            touch.mass = real(1.0) / (inertia.inverse_mass[i] + inertia.inverse_mass[j])
+            touch.mass = real(wide(1.0) / (inertia.inverse_mass[i] + inertia.inverse_mass[j]))
         return touch
 
     return touch_of
@@ -142,20 +142,20 @@ def touch_of(laws: Laws) -> wp.Function:
 
 @wp.func
 def spring_account(
-    now: vec3, carried: vec3, rate: vec3, keeps: real, share: real, before: real, stiffness: real
+    now: wide3, carried: wide3, rate: vec3, keeps: real, share: real, before: real, stiffness: real
 ):
     """Energies of a tangential or rolling spring now and before [J], and the power it takes [W].
 
     ``carried`` is what it kept of the last step, ``rate`` the velocity it works against at the
     step's end; shares as in ``shared``.
     """
-    stored = real(0.0)
-    had = real(0.0)
+    stored = wide(0.0)
+    had = wide(0.0)
     if stiffness > real(0.0):
-        old = carried / keeps
-        stored = wp.dot(now, now) / (real(2.0) * share * stiffness)
-        had = wp.dot(old, old) / (real(2.0) * before * stiffness)
-    return stored, had, wp.dot(now, rate)
+        old = carried / wide(keeps)
+        stored = wp.dot(now, now) / wide(real(2.0) * share * stiffness)
+        had = wp.dot(old, old) / wide(real(2.0) * before * stiffness)
+    return stored, had, wp.dot(now, wide3(rate))
 
 
 @functools.cache
@@ -168,8 +168,8 @@ def friction_part(laws: Laws) -> wp.Function:
         motion: Kinematics,
         law: Material,
         normal: vec3,
-        past: vec4,
-        cap: real,
+        past: wide4,
+        cap: wide,
         mean: real,
         keeps: real,
         share: real,
@@ -177,11 +177,14 @@ def friction_part(laws: Laws) -> wp.Function:
         step: real,
     ):
         """``step`` is the time it has lasted; shares as in ``shared``."""
-        kept = vec4(past[0] * keeps, past[1] * keeps, past[2] * keeps, past[3])
-        tangential, carried = tangential_force(motion, law, normal, kept, cap, mean * law.kt * step)
-        stored = real(0.0)
-        had = real(0.0)
-        power = real(0.0)
+        part = wide(keeps)
+        kept = wide4(past[0] * part, past[1] * part, past[2] * part, past[3])
+        tangential, carried = tangential_force(
+            motion, law, wide3(normal), kept, cap, wide(mean * law.kt * step)
+        )
+        stored = wide(0.0)
+        had = wide(0.0)
+        power = wide(0.0)
         if wp.static(laws.account):
             stored, had, power = spring_account(
                 tangential, carried, motion.sliding_end, keeps, share, before, law.kt
@@ -201,8 +204,8 @@ def rolling_part(laws: Laws) -> wp.Function:
         motion: Kinematics,
         law: Material,
         normal: vec3,
-        past: vec4,
-        rolled: vec4,
+        past: wide4,
+        rolled: wide4,
         fn: real,
         arm: real,
         mean: real,
@@ -213,11 +216,18 @@ def rolling_part(laws: Laws) -> wp.Function:
     ):
         """``step`` is the time it has lasted; shares as in ``shared``."""
         moment, carried = rolling_moment(
-            motion, law, normal, past, rolled * keeps, fn, arm, mean * law.kr * step
+            motion,
+            law,
+            wide3(normal),
+            past,
+            rolled * wide(keeps),
+            wide(fn),
+            wide(arm),
+            wide(mean * law.kr * step),
         )
-        stored = real(0.0)
-        had = real(0.0)
-        power = real(0.0)
+        stored = wide(0.0)
+        had = wide(0.0)
+        power = wide(0.0)
         if wp.static(laws.account):
             stored, had, power = spring_account(
                 moment, carried, motion.spin_end, keeps, share, before, law.kr
@@ -240,10 +250,10 @@ def rolling_arm(laws: Laws) -> wp.Function:
             arm = branch(inertia, i, j, d, point)
         if wp.static(laws.avalanche):
             if law.kind == AVALANCHE:
-                if inertia.inverse_mass[i] == real(0.0):
-                    arm = axis_distance(point, bodies.spin[j])
+                if inertia.inverse_mass[i] == wide(0.0):
+                    arm = axis_distance(point, vec3(bodies.spin[j]))
                 else:
-                    arm = axis_distance(point - d, bodies.spin[i])
+                    arm = axis_distance(point - d, vec3(bodies.spin[i]))
         return arm
 
     return rolling_arm
@@ -287,8 +297,8 @@ def apply_laws(laws: Laws) -> wp.Function:
     ):
         force = vec3()
         torque = vec3()
-        account = vec4()
-        power = vec4()
+        account = wide4()
+        power = wide4()
         distant = bool(False)
         if wp.static(laws.reaching or laws.sticky):
             distant = overlap <= real(0.0)
@@ -299,7 +309,7 @@ def apply_laws(laws: Laws) -> wp.Function:
                 torque = wp.cross(point, force)
         if not distant:
             past = candidates.past[c]
-            fresh = past[3] < real(0.0)
+            fresh = past[3] < wide(0.0)
             share, held_by, mean, keeps, before = share_at(
                 candidates, c, overlap, total, law, fresh
             )
@@ -310,31 +320,31 @@ def apply_laws(laws: Laws) -> wp.Function:
             fn, acting, phi, stored, lost = normal_force(motion, law, touch)
             force = normal * acting
             if wp.static(laws.account):
-                account[0] = stored
-                power[1] = lost
+                account[0] = wide(stored)
+                power[1] = wide(lost)
             moment = vec3()
-            tangential = vec3()
+            tangential = wide3()
             if wp.static(laws.friction):
-                cap = law.mu * fn
+                cap = wide(law.mu) * wide(fn)
                 if wp.static(laws.elastic_cap):
                     if wp.static(laws.total_cap):
                         if law.elastic_cap != 0:
-                            cap = law.mu * touch.stiffness * overlap
+                            cap = wide(law.mu * touch.stiffness * overlap)
                     else:
-                        cap = law.mu * touch.stiffness * overlap
+                        cap = wide(law.mu * touch.stiffness * overlap)
                 tangential, held, had, taken = tangential_force(
                     motion, law, normal, past, cap, mean, keeps, held_by, before, dt * phi
                 )
-                force += tangential
+                force += vec3(tangential)
                 account[0] = account[0] + held
                 account[2] = had - held
                 power[2] = taken
-            candidates.past[c] = vec4(tangential[0], tangential[1], tangential[2], fn)
+            candidates.past[c] = wide4(tangential[0], tangential[1], tangential[2], wide(fn))
             if wp.static(laws.rolling):
                 if law.kr > real(0.0):
                     arm = arm_of(inertia, bodies, law, i, j, d, point)
                     rolled = candidates.rolled[c]
-                    moment, held, had, taken = rolling_moment(
+                    turned, held, had, taken = rolling_moment(
                         motion,
                         law,
                         normal,
@@ -348,12 +358,13 @@ def apply_laws(laws: Laws) -> wp.Function:
                         before,
                         dt * phi,
                     )
-                    about = real(0.0)
-                    tangent = moment
+                    about = wide(0.0)
+                    tangent = turned
                     if wp.static(laws.objective):
-                        about = wp.dot(moment, normal)
-                        tangent = moment - normal * about
-                    candidates.rolled[c] = vec4(tangent[0], tangent[1], tangent[2], about)
+                        about = wp.dot(turned, wide3(normal))
+                        tangent = turned - wide3(normal) * about
+                    moment = vec3(turned)
+                    candidates.rolled[c] = wide4(tangent[0], tangent[1], tangent[2], about)
                     account[0] = account[0] + held
                     account[3] = had - held
                     power[3] = taken

@@ -39,7 +39,7 @@ from warpdem.kernels.free_flight import (
 )
 from warpdem.kernels.ground import column_of, facet_ground, raster_ground, row_of
 from warpdem.kernels.ground_contacts import sink, touch_ground, touch_trees
-from warpdem.kernels.precision import mat33, quat, real, vec3
+from warpdem.kernels.precision import quat, wide, wide3, wide33
 from warpdem.kernels.scarring import frontal_area, scar_depth, soil_drag
 from warpdem.kernels.signorini import (
     Body,
@@ -53,7 +53,7 @@ from warpdem.kernels.signorini import (
 from warpdem.kernels.variant import inlined
 
 # 2 / pi
-FRICTION_SCALE = wp.constant(real(0.6366197723675814))
+FRICTION_SCALE = wp.constant(wide(0.6366197723675814))
 
 
 class Parts(NamedTuple):
@@ -87,16 +87,16 @@ class Parts(NamedTuple):
 class Middle:
     """A rock in the middle of a step."""
 
-    centre: vec3
+    centre: wide3
     orientation: quat
-    turn: mat33
+    turn: wide33
     start: Twist  # velocity and world spin at the step's start
     free: Twist  # at its end without percussions
     body: Body
 
 
 @inlined()
-def slip_friction(classes: GroundClasses, ground_class: int, slip: real) -> real:
+def slip_friction(classes: GroundClasses, ground_class: int, slip: wide) -> wide:
     """mu_min + (2/pi) (mu_max - mu_min) atan(kappa s)."""
     low = classes.mu_min[ground_class]
     rise = classes.mu_max[ground_class] - low
@@ -110,9 +110,9 @@ def middle_of(parts: Parts) -> wp.Function:
 
     @inlined()
     def middle_of(
-        rules: Rules, motion: Motion, theta: vec3, inverse_mass: real, dt: real
+        rules: Rules, motion: Motion, theta: wide3, inverse_mass: wide, dt: wide
     ) -> Middle:
-        half = real(0.5) * dt
+        half = wide(0.5) * dt
         middle = Middle()
         middle.centre = motion.position + half * motion.velocity
         middle.orientation = turned_by(motion.orientation, motion.spin, motion.orientation, half)
@@ -137,7 +137,7 @@ def middle_of(parts: Parts) -> wp.Function:
 @inlined()
 def press(
     rules: Rules, classes: GroundClasses, ground_class: int, middle: Middle, count: int,
-    dt: real, flights: Flights, slot: int,
+    dt: wide, flights: Flights, slot: int,
 ) -> Twist:  # fmt: skip
     """Velocity and spin at the step's end, by the percussions of the listed contacts."""
     twist = middle.free
@@ -147,7 +147,7 @@ def press(
         before = velocity_at(middle.start, contact.arm)
         scale = wp.max(scale, wp.length(before))
         if contact.vertex >= 0:  # trunks give nothing back
-            approach = wp.min(real(0.0), wp.dot(before, contact.normal))
+            approach = wp.min(wide(0.0), wp.dot(before, contact.normal))
             contact.bias = classes.restitution[ground_class] * approach
         flights.contact[slot, c] = contact
         twist = struck(twist, middle.body, contact.arm, contact.percussion)
@@ -161,7 +161,7 @@ def press(
         residual = wp.max(flights.measure[slot, RESIDUAL], solved.residual / scale)
         flights.measure[slot, RESIDUAL] = residual
         share = passive_share(flights.contact, slot, count, middle.start, middle.free, twist)
-        if share < real(1.0):
+        if share < wide(1.0):
             flights.count[slot, LIMITED] += 1
             twist.velocity = middle.free.velocity + share * (twist.velocity - middle.free.velocity)
             twist.spin = middle.free.spin + share * (twist.spin - middle.free.spin)
@@ -183,51 +183,51 @@ def keep_percussions(flights: Flights, slot: int, count: int) -> int:
         vertex = flights.contact[slot, c].vertex
         if vertex >= 0:
             flights.percussion[slot, vertex] = p
-            if wp.dot(p, flights.contact[slot, c].normal) > real(0.0):
+            if wp.dot(p, flights.contact[slot, c].normal) > wide(0.0):
                 touching = 1
     return touching
 
 
 @wp.func
-def energy_over_mass(rules: Rules, motion: Motion, theta_over_mass: vec3) -> real:
+def energy_over_mass(rules: Rules, motion: Motion, theta_over_mass: wide3) -> wide:
     """Kinetic and potential energy over the mass [J/kg]."""
     spinning = wp.dot(motion.spin, wp.cw_mul(theta_over_mass, motion.spin))
     moving = wp.length_sq(motion.velocity)
-    return real(0.5) * (moving + spinning) - wp.dot(rules.gravity, motion.position)
+    return wide(0.5) * (moving + spinning) - wp.dot(rules.gravity, motion.position)
 
 
 @wp.func
-def lifted(rules: Rules, motion: Motion, depth: real) -> Motion:
+def lifted(rules: Rules, motion: Motion, depth: wide) -> Motion:
     """The rock raised by a part of its depth beyond the slop, paid from its speed."""
     raised = motion
     g = wp.length(rules.gravity)
     speed2 = wp.length_sq(motion.velocity)
-    up = real(0.0)
-    if g > real(0.0):
-        up = wp.min(rules.lift * (depth - rules.slop), real(0.5) * speed2 / g)
-    if up > real(0.0):
+    up = wide(0.0)
+    if g > wide(0.0):
+        up = wp.min(rules.lift * (depth - rules.slop), wide(0.5) * speed2 / g)
+    if up > wide(0.0):
         raised.position = motion.position - (up / g) * rules.gravity
         raised.velocity = motion.velocity * wp.sqrt(
-            wp.max(real(0.0), real(1.0) - real(2.0) * g * up / speed2)
+            wp.max(wide(0.0), wide(1.0) - wide(2.0) * g * up / speed2)
         )
     return raised
 
 
 @wp.func
 def ended(
-    motion: Motion, middle: Middle, twist: Twist, touching: int, drag: real, beta: real, dt: real
+    motion: Motion, middle: Middle, twist: Twist, touching: int, drag: wide, beta: wide, dt: wide
 ) -> Motion:
     """The rock at the step's end; ``drag`` [1/s] slows one that touches the ground."""
     after = motion
     velocity = twist.velocity
     if touching == 1:
-        velocity = velocity / (real(1.0) + drag * dt)
+        velocity = velocity / (wide(1.0) + drag * dt)
         after.slip = motion.slip + dt * wp.length(velocity)
     else:
         after.slip = motion.slip * wp.exp(-beta * dt)
     spin = wp.transpose(middle.turn) @ twist.spin
-    after.position = motion.position + (real(0.5) * dt) * (motion.velocity + velocity)
-    mean = real(0.5) * (motion.spin + spin)
+    after.position = motion.position + (wide(0.5) * dt) * (motion.velocity + velocity)
+    mean = wide(0.5) * (motion.spin + spin)
     after.orientation = turned_by(motion.orientation, mean, middle.orientation, dt)
     after.velocity = velocity
     after.spin = spin
@@ -249,33 +249,33 @@ def contact_step(parts: Parts) -> wp.Function:
     @inlined()
     def contact_step(
         terrain: Terrain, rocks: Rocks, classes: GroundClasses, obstacles: Obstacles,
-        rules: Rules, flights: Flights, slot: int, rock: int, motion: Motion, dt: real,
+        rules: Rules, flights: Flights, slot: int, rock: int, motion: Motion, dt: wide,
     ) -> Motion:  # fmt: skip
         theta = rocks.inertia[rock]
         mass = rocks.mass[rock]
-        middle = middle_at(rules, motion, theta, real(1.0) / mass, dt)
+        middle = middle_at(rules, motion, theta, wide(1.0) / mass, dt)
         centre = middle.centre
         kind = terrain.class_of[row_of(terrain, centre[1]), column_of(terrain, centre[0])]
         friction = slip_friction(classes, kind, motion.slip)
-        warm = real(0.0)
+        warm = wide(0.0)
         if motion.near_ground == 1:
             warm = dt / motion.step  # percussions go with the length of the step
         touched = touch(terrain, rocks, rock, centre, middle.turn, friction, warm, flights, slot)
-        scar = real(0.0)
+        scar = wide(0.0)
         immersed = int(0)  # some vertex is below the surface, if not on the hard ground
         if touched.count > 0:
             immersed = 1
-        slowing = real(0.0)
+        slowing = wide(0.0)
         if wp.static(parts.scarring):
             if immersed == 1:
                 scar = motion.scar
                 if motion.near_ground == 0:
                     modulus = classes.scar_modulus[kind]
                     scar = scar_depth(mass, modulus, motion.velocity[2])
-            if scar > real(0.0):
+            if scar > wide(0.0):
                 speed = wp.length(motion.velocity)
                 plane = ground(terrain, centre[0], centre[1])
-                along = motion.velocity / (speed + real(1.0e-12))
+                along = motion.velocity / (speed + wide(1.0e-12))
                 area = frontal_area(rocks, rock, middle.turn, centre, plane, along)
                 slowing = soil_drag(classes.scar_drag[kind], area, speed, mass)
                 touched = sink(flights, slot, touched, scar)
@@ -285,7 +285,7 @@ def contact_step(parts: Parts) -> wp.Function:
                 terrain, obstacles, rocks, rock, centre, middle.turn, flights, slot, touched
             )
         if wp.static(parts.forest):
-            slowing += canopy(terrain, obstacles, motion.position, real(1.0) / mass)
+            slowing += canopy(terrain, obstacles, motion.position, wide(1.0) / mass)
         after = Motion()
         if touched.count == 0 and immersed == 0:
             after = free(rules, motion, theta, slowing, dt)
@@ -293,7 +293,7 @@ def contact_step(parts: Parts) -> wp.Function:
             flights.count[slot, FLIGHT_STEPS] += 1
         else:
             flights.count[slot, CONTACT_STEPS] += 1
-            middle.free.velocity = middle.free.velocity / (real(1.0) + slowing * dt)
+            middle.free.velocity = middle.free.velocity / (wide(1.0) + slowing * dt)
             twist = middle.free
             touching = int(0)
             if touched.count > 0:

@@ -9,7 +9,7 @@ import functools
 
 import warp as wp
 from warpdem.kernels.incidence import pair_at, pairs_of
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import real, wide, wide3
 from warpdem.kernels.rotation import exponential
 from warpdem.kernels.variant import inlined, plain
 from warpdem.kernels.views import (
@@ -27,12 +27,12 @@ from warpdem.kernels.views import (
 
 @wp.func
 def damped_kick(
-    momentum: vec3, force: vec3, inverse_mass: vec3, damping: vec3, loose: vec3, half: real
-) -> vec3:
+    momentum: wide3, force: wide3, inverse_mass: wide3, damping: wide3, loose: wide3, half: wide
+) -> wide3:
     """Momentum after half a step, damping taken implicitly; zero along axes that are held."""
     kicked = momentum + force * half
     for axis in range(3):
-        slowed = real(1.0) + half * damping[axis] * inverse_mass[axis]
+        slowed = wide(1.0) + half * damping[axis] * inverse_mass[axis]
         kicked[axis] = loose[axis] * kicked[axis] / slowed
     return kicked
 
@@ -46,7 +46,7 @@ def follow(*, controlled: bool, stepwise: bool) -> wp.Function:
     """
 
     @inlined()
-    def follow(inertia: Inertia, drives: Drives, bodies: Bodies, body: int, dt: real):
+    def follow(inertia: Inertia, drives: Drives, bodies: Bodies, body: int, dt: wide):
         place = inertia.driven[body] - 1
         row = (drives.steps[0] - drives.base[0]) * drives.count + place
         position = drives.position[row]
@@ -56,7 +56,7 @@ def follow(*, controlled: bool, stepwise: bool) -> wp.Function:
         velocity_end = drives.velocity_end[row]
         spin_end = drives.spin_end[row]
         if wp.static(controlled):
-            half = real(0.5) * dt
+            half = wide(0.5) * dt
             loose = drives.loose[row]
             loose_spin = drives.loose_spin[row]
             force = wp.cw_mul(loose, bodies.force[body])
@@ -79,8 +79,8 @@ def follow(*, controlled: bool, stepwise: bool) -> wp.Function:
             drives.now[place] = wp.matrix_from_rows(
                 drives.force[row], drives.moment[row], drives.pressure[row]
             )
-            drives.now_loose[place] = wp.matrix_from_rows(loose, loose_spin, vec3())
-            drives.now_end[place] = wp.matrix_from_rows(velocity_end, spin_end, vec3())
+            drives.now_loose[place] = wp.matrix_from_rows(loose, loose_spin, wide3())
+            drives.now_end[place] = wp.matrix_from_rows(velocity_end, spin_end, wide3())
             velocity_end += own + wp.cw_mul(force, drives.inverse_mass[place]) * half
             spin_end += own_spin + wp.cw_mul(torque, drives.inverse_inertia[place]) * half
         if wp.static(stepwise):
@@ -102,19 +102,19 @@ def respond(
     drives: Drives,
     bodies: Bodies,
     body: int,
-    force: vec3,
-    torque: vec3,
-    dt: real,
+    force: wide3,
+    torque: wide3,
+    dt: wide,
 ):
     """Second half kick of a wall by its contact wrench and what is imposed on it."""
     place = inertia.driven[body] - 1
-    half = real(0.5) * dt
+    half = wide(0.5) * dt
     imposed = drives.now[place]
     loose = drives.now_loose[place]
     end = drives.now_end[place]
     inverse_mass = drives.inverse_mass[place]
     inverse_inertia = drives.inverse_inertia[place]
-    area = vec3(drives.area[3 * place], drives.area[3 * place + 1], drives.area[3 * place + 2])
+    area = wide3(drives.area[3 * place], drives.area[3 * place + 1], drives.area[3 * place + 2])
     total = force + imposed[0] + wp.cw_mul(imposed[2], area)
     moment = torque + imposed[1]
     damping = drives.damping[place]
@@ -146,17 +146,17 @@ def measure_areas(
     if clock.halted[0] != 0:
         return
     gauge = gauges[wp.tid()]
-    area = real(1.0)
+    area = wide(1.0)
     for k in range(2):
         axis = gauge.axis[k]
         low = bodies.position[gauge.low[k]]
         high = bodies.position[gauge.high[k]]
-        area *= wp.max(high[axis] - low[axis] - gauge.less[k], real(0.0))
+        area *= wp.max(high[axis] - low[axis] - gauge.less[k], wide(0.0))
     drives.area[gauge.place] = area
 
 
 @wp.func
-def mobility(n: vec3, inverse: vec3) -> real:
+def mobility(n: wide3, inverse: wide3) -> wide:
     """n . diag(inverse) n."""
     return wp.dot(n, wp.cw_mul(inverse, n))
 
@@ -185,27 +185,30 @@ def wall_frequency(
         return
     inverse_mass = drives.inverse_mass[place]
     inverse_inertia = drives.inverse_inertia[place]
-    total = real(0.0)
+    total = wide(0.0)
     first, others, count = pairs_of(incidence, body)
     for k in range(count):
         code = pair_at(incidence, body, first, others, k)
         pair = code >> 1
         law = materials[pairs.material[pair]]
-        shift = vec3()
+        shift = wide3()
         if (code & 1) == 0:
             shift = bodies.position[pairs.partner[pair]] - bodies.position[body]
+        kn = wide(law.kn)
+        kt = wide(law.kt)
+        kr = wide(law.kr)
         start = pairs.start[pair]
         for slot in range(start, start + pairs.touching[pair]):
-            arm = candidates.point[slot] + shift
-            n = candidates.normal[slot]
-            total += (law.kn - law.kt) * mobility(n, inverse_mass)
-            total += law.kt * (inverse_mass[0] + inverse_mass[1] + inverse_mass[2])
+            arm = wide3(candidates.point[slot]) + shift
+            n = wide3(candidates.normal[slot])
+            total += (kn - kt) * mobility(n, inverse_mass)
+            total += kt * (inverse_mass[0] + inverse_mass[1] + inverse_mass[2])
             for axis in range(3):
-                lever = vec3()
-                lever[axis] = real(1.0)
+                lever = wide3()
+                lever[axis] = wide(1.0)
                 lever = wp.cross(lever, arm)
                 along = wp.dot(lever, n)
                 across = wp.dot(lever, lever) - along * along
-                total += inverse_inertia[axis] * (law.kn * along * along + law.kt * across)
-                total += inverse_inertia[axis] * law.kr
-    square[body] = real(2.0) * total
+                total += inverse_inertia[axis] * (kn * along * along + kt * across)
+                total += inverse_inertia[axis] * kr
+    square[body] = real(wide(2.0) * total)

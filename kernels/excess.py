@@ -12,7 +12,8 @@ turns the bodies and acts by itself, without dashpot and friction.
 
 import warp as wp
 from warpdem.kernels.codes import EE, VV, feature_of_owner, feature_of_partner, kind_of
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.framing import of_owner, of_partner
+from warpdem.kernels.precision import NARROW, real, vec3, vec4, wide3
 from warpdem.kernels.regions import vertex_count
 from warpdem.kernels.variant import inlined, place
 from warpdem.kernels.views import Bodies, Candidates, Geometry
@@ -44,20 +45,24 @@ def others(rest: vec4, k: int) -> real:
 
 
 @wp.func
-def pull(p: vec3, q: vec3, size: real) -> Excess:
-    """A force towards q on a point p of the owner."""
+def pull(p: vec3, q: vec3, shift: vec3, size: real) -> Excess:
+    """A force towards q on a point p of the owner, both about a point at ``shift``."""
     away = p - q
     found = Excess()
     found.force = away * (-size / wp.length(away))
-    found.torque = wp.cross(p, found.force)
+    found.torque = wp.cross(p + shift, found.force)
     return found
 
 
 @wp.func
 def edges_share(
-    p: vec3, p1: vec3, q: vec3, q1: vec3, reach: real, overlap: real, normal: vec3, point: vec3
-):
-    """Share of two edges that cross, and what they do beside it."""
+    p: vec3, p1: vec3, q: vec3, q1: vec3, shift: vec3,
+    reach: real, overlap: real, normal: vec3, point: vec3,
+):  # fmt: skip
+    """Share of two edges that cross, and what they do beside it.
+
+    Their ends are about the point ``shift`` from the partner's centre.
+    """
     found = Excess()
     u = p1 - p
     v = q1 - q
@@ -105,7 +110,7 @@ def edges_share(
             elif k == 3:
                 own = b1
                 other = q1
-            end = pull(own, other, x[k] * others(rest, k) * overlap)
+            end = pull(own, other, shift, x[k] * others(rest, k) * overlap)
             found.force += end.force
             found.torque += end.torque
     return share, found
@@ -118,12 +123,15 @@ def share_out(
     candidates: Candidates,
     i: int,
     j: int,
-    d: vec3,
+    d: wide3,
     start: int,
     touching: int,
 ) -> Excess:
     """Set the shares of a pair's sub-contacts; what acts beside them."""
     total = Excess()
+    shift = vec3()
+    if wp.static(NARROW):
+        shift = vec3(d)
     arm_i = geometry.arm_start[i]
     arm_j = geometry.arm_start[j]
     for slot in range(start, start + touching):
@@ -137,10 +145,11 @@ def share_out(
             edge = geometry.edge_start[geometry.shape[j]] + feature_of_partner(code)
             others_ends = geometry.edge[edge]
             share, beside = edges_share(
-                d + bodies.arm[arm_i + ends[0]],
-                d + bodies.arm[arm_i + ends[1]],
-                bodies.arm[arm_j + others_ends[0]],
-                bodies.arm[arm_j + others_ends[1]],
+                of_owner(bodies, arm_i + ends[0], d),
+                of_owner(bodies, arm_i + ends[1], d),
+                of_partner(bodies, arm_j + others_ends[0], d),
+                of_partner(bodies, arm_j + others_ends[1], d),
+                shift,
                 geometry.radius[i] + geometry.radius[j],
                 overlap,
                 candidates.normal[slot],

@@ -8,7 +8,7 @@ import functools
 from typing import NamedTuple
 
 import warp as wp
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import wide, wide3, wide33
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, External, Inertia
 
@@ -32,11 +32,11 @@ class Forces(NamedTuple):
 
 
 # drag stops a body in no less than 1/0.4 steps: drag and fluid together are then stable
-STIFFEST = wp.constant(real(0.4))
+STIFFEST = wp.constant(wide(0.4))
 
 
 @wp.func
-def quadratic_drag(coefficient: real, relative: vec3, most: real) -> vec3:
+def quadratic_drag(coefficient: wide, relative: wide3, most: wide) -> wide3:
     """Resistance -c |v| v to the motion relative to a medium [N]; ``coefficient`` c in kg/m.
 
     c |v| is cut at ``most`` [kg/s], for steps that do not resolve how fast the motion decays.
@@ -45,29 +45,29 @@ def quadratic_drag(coefficient: real, relative: vec3, most: real) -> vec3:
 
 
 @wp.func
-def nearest_node(field: wp.array(dtype=vec3, ndim=3), place: vec3) -> vec3:
+def nearest_node(field: wp.array(dtype=wide3, ndim=3), place: wide3) -> wide3:
     """Value at the node nearest to ``place``, in node spacings from the first node."""
-    i = int(wp.clamp(wp.floor(place[0] + real(0.5)), real(0.0), real(field.shape[0] - 1)))
-    j = int(wp.clamp(wp.floor(place[1] + real(0.5)), real(0.0), real(field.shape[1] - 1)))
-    k = int(wp.clamp(wp.floor(place[2] + real(0.5)), real(0.0), real(field.shape[2] - 1)))
+    i = int(wp.clamp(wp.floor(place[0] + wide(0.5)), wide(0.0), wide(field.shape[0] - 1)))
+    j = int(wp.clamp(wp.floor(place[1] + wide(0.5)), wide(0.0), wide(field.shape[1] - 1)))
+    k = int(wp.clamp(wp.floor(place[2] + wide(0.5)), wide(0.0), wide(field.shape[2] - 1)))
     return field[i, j, k]
 
 
 @wp.func
-def between_nodes(field: wp.array(dtype=vec3, ndim=3), place: vec3) -> vec3:
+def between_nodes(field: wp.array(dtype=wide3, ndim=3), place: wide3) -> wide3:
     """Trilinear value at ``place``, in node spacings from the first node; held at the border."""
-    x = wp.clamp(place[0], real(0.0), real(field.shape[0] - 1))
-    y = wp.clamp(place[1], real(0.0), real(field.shape[1] - 1))
-    z = wp.clamp(place[2], real(0.0), real(field.shape[2] - 1))
+    x = wp.clamp(place[0], wide(0.0), wide(field.shape[0] - 1))
+    y = wp.clamp(place[1], wide(0.0), wide(field.shape[1] - 1))
+    z = wp.clamp(place[2], wide(0.0), wide(field.shape[2] - 1))
     i = int(x)
     j = int(y)
     k = int(z)
     i1 = wp.min(i + 1, field.shape[0] - 1)
     j1 = wp.min(j + 1, field.shape[1] - 1)
     k1 = wp.min(k + 1, field.shape[2] - 1)
-    a = x - real(i)
-    b = y - real(j)
-    c = z - real(k)
+    a = x - wide(i)
+    b = y - wide(j)
+    c = z - wide(k)
     low = wp.lerp(
         wp.lerp(field[i, j, k], field[i1, j, k], a),
         wp.lerp(field[i, j1, k], field[i1, j1, k], a),
@@ -82,49 +82,49 @@ def between_nodes(field: wp.array(dtype=vec3, ndim=3), place: vec3) -> vec3:
 
 
 @wp.func
-def damping_factor(power: real, coefficient: real) -> real:
+def damping_factor(power: wide, coefficient: wide) -> wide:
     """What Cundall's damping multiplies a force by: 1 - c while it does work, else 1 + c."""
-    if power > real(0.0):
-        return real(1.0) - coefficient
-    return real(1.0) + coefficient
+    if power > wide(0.0):
+        return wide(1.0) - coefficient
+    return wide(1.0) + coefficient
 
 
 @wp.func
-def mean_damping_factor(power: real, own: real, other: real, dt: real, coefficient: real) -> real:
+def mean_damping_factor(power: wide, own: wide, other: wide, dt: wide, coefficient: wide) -> wide:
     """``damping_factor``'s mean over the step that begins with power P = F.v [W].
 
     P' = factor own + other, with own = F.F/m and other = F.W/m, W the forces that are not damped
     [W/s]. Where P passes zero the factor changes within the step, to the one that keeps P at zero
     if there is one: a balanced body comes to rest.
     """
-    if own == real(0.0):
-        return real(1.0)
-    level = wp.clamp(-other / own, real(1.0) - coefficient, real(1.0) + coefficient)
-    if power == real(0.0):
+    if own == wide(0.0):
+        return wide(1.0)
+    level = wp.clamp(-other / own, wide(1.0) - coefficient, wide(1.0) + coefficient)
+    if power == wide(0.0):
         return level
     factor = damping_factor(power, coefficient)
     gain = (factor * own + other) * dt
-    if power * (power + gain) >= real(0.0):
+    if power * (power + gain) >= wide(0.0):
         return factor
     share = -power / gain
-    return factor * share + level * (real(1.0) - share)
+    return factor * share + level * (wide(1.0) - share)
 
 
 @wp.func
-def barrier_factor(speed: real, limit: real, exponent: real) -> real:
+def barrier_factor(speed: wide, limit: wide, exponent: wide) -> wide:
     """(1 - r)/(1 + r), r = |v/limit|^exponent: 1 at rest, 0 at the limit, -1 far beyond it."""
     ratio = wp.abs(speed) / limit
-    if ratio <= real(1.0):
+    if ratio <= wide(1.0):
         r = wp.pow(ratio, exponent)
-        return (real(1.0) - r) / (real(1.0) + r)
-    r = wp.pow(real(1.0) / ratio, exponent)
-    return (r - real(1.0)) / (r + real(1.0))
+        return (wide(1.0) - r) / (wide(1.0) + r)
+    r = wp.pow(wide(1.0) / ratio, exponent)
+    return (r - wide(1.0)) / (r + wide(1.0))
 
 
 @wp.func
-def barriers(velocity: vec3, limit: real, exponent: real) -> vec3:
+def barriers(velocity: wide3, limit: wide, exponent: wide) -> wide3:
     """``barrier_factor`` of each component of a velocity."""
-    return vec3(
+    return wide3(
         barrier_factor(velocity[0], limit, exponent),
         barrier_factor(velocity[1], limit, exponent),
         barrier_factor(velocity[2], limit, exponent),
@@ -132,7 +132,7 @@ def barriers(velocity: vec3, limit: real, exponent: real) -> vec3:
 
 
 @wp.func
-def turned_by(rotation: mat33, factors: vec3, vector: vec3) -> vec3:
+def turned_by(rotation: wide33, factors: wide3, vector: wide3) -> wide3:
     """A world vector multiplied along the principal axes: R diag(factors) R^T v."""
     return rotation * wp.cw_mul(factors, wp.transpose(rotation) * vector)
 
@@ -144,13 +144,13 @@ def medium_force(forces: Forces) -> wp.Function:
 
     @inlined()
     def medium_force(
-        inertia: Inertia, external: External, bodies: Bodies, body: int, dt: real
-    ) -> vec3:
+        inertia: Inertia, external: External, bodies: Bodies, body: int, dt: wide
+    ) -> wide3:
         most = STIFFEST / (inertia.inverse_mass[body] * dt)
         velocity = bodies.velocity[body]
         if wp.static(forces.predicted):
             velocity = bodies.velocity_end[body]
-        force = vec3()
+        force = wide3()
         if wp.static(forces.drag):
             force += quadratic_drag(external.drag[body], velocity, most)
         if wp.static(forces.fluid):
@@ -171,11 +171,11 @@ def damped(forces: Forces) -> wp.Function:
         inertia: Inertia,
         external: External,
         bodies: Bodies,
-        weight: vec3,
+        weight: wide3,
         body: int,
-        force: vec3,
-        torque: vec3,
-        dt: real,
+        force: wide3,
+        torque: wide3,
+        dt: wide,
     ):
         c = external.damping
         spin = bodies.spin[body]
@@ -185,7 +185,7 @@ def damped(forces: Forces) -> wp.Function:
             inverse = inertia.inverse_mass[body]
             own = wp.dot(force, force) * inverse
             other = wp.dot(force, weight) * inverse
-            rotation = bodies.rotation[body]
+            rotation = wide33(bodies.rotation[body])
             reply = turned_by(rotation, inertia.inverse_moment[body], torque)
             whirl = wp.cross(spin, bodies.angular_momentum[body])
             held = mean_damping_factor(power, own, other, dt, c)
@@ -202,7 +202,7 @@ def held_back(forces: Forces) -> wp.Function:
 
     @inlined()
     def held_back(
-        inertia: Inertia, external: External, bodies: Bodies, body: int, force: vec3, torque: vec3
+        inertia: Inertia, external: External, bodies: Bodies, body: int, force: wide3, torque: wide3
     ):
         velocity = bodies.velocity[body]
         spin = bodies.spin[body]
@@ -215,7 +215,7 @@ def held_back(forces: Forces) -> wp.Function:
             force = wp.cw_mul(force, barriers(velocity, limit, external.speed_exponent))
         if wp.static(forces.spin_barrier):
             # the angular acceleration, along the world's axes
-            rotation = bodies.rotation[body]
+            rotation = wide33(bodies.rotation[body])
             a = turned_by(rotation, inertia.inverse_moment[body], torque - whirl)
             a = wp.cw_mul(a, barriers(spin, external.spin_limit, external.spin_exponent))
             torque = turned_by(rotation, inertia.moment[body], a) + whirl
@@ -240,11 +240,11 @@ def external_forces(forces: Forces) -> wp.Function:
         inertia: Inertia,
         external: External,
         bodies: Bodies,
-        weight: vec3,
+        weight: wide3,
         body: int,
-        contact_force: vec3,
-        contact_torque: vec3,
-        dt: real,
+        contact_force: wide3,
+        contact_torque: wide3,
+        dt: wide,
     ):
         force = contact_force
         torque = contact_torque
@@ -255,12 +255,12 @@ def external_forces(forces: Forces) -> wp.Function:
         force += weight
         if wp.static(forces.velocity_barrier or forces.spin_barrier):
             force, torque = hold(inertia, external, bodies, body, force, torque)
-        power = real(0.0)
+        power = wide(0.0)
         if wp.static(forces.account):
-            half = real(0.5) * dt
+            half = wide(0.5) * dt
             velocity = bodies.velocity[body] + force * (half * inertia.inverse_mass[body])
             spun = bodies.angular_momentum[body] + torque * half
-            spin = turned_by(bodies.rotation[body], inertia.inverse_moment[body], spun)
+            spin = turned_by(wide33(bodies.rotation[body]), inertia.inverse_moment[body], spun)
             power = wp.dot(force - weight - contact_force, velocity)
             power += wp.dot(torque - contact_torque, spin)
         return force, torque, power

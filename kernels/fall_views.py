@@ -1,7 +1,7 @@
 """What the kernel of falling rocks sees: ground, rocks, obstacles, and the flights it moves."""
 
 import warp as wp
-from warpdem.kernels.precision import mat33, quat, real, vec3
+from warpdem.kernels.precision import quat, wide, wide3, wide33
 
 vec2 = wp.vec2d
 
@@ -42,16 +42,16 @@ SCREEN = wp.constant(4)
 class Terrain:
     """Ground in cells, row 0 in the south; local coordinates."""
 
-    x: real
-    y: real
-    cell: real
-    per_metre: real  # cells
-    reach: real  # horizontal distance for which ``steep`` holds
+    x: wide
+    y: wide
+    cell: wide
+    per_metre: wide  # cells
+    reach: wide  # horizontal distance for which ``steep`` holds
     rows: int
     columns: int
-    heights: wp.array(dtype=real, ndim=2)  # at the nodes
+    heights: wp.array(dtype=wide, ndim=2)  # at the nodes
     known: wp.array(dtype=wp.int32, ndim=2)
-    steep: wp.array(dtype=real, ndim=2)
+    steep: wp.array(dtype=wide, ndim=2)
     class_of: wp.array(dtype=wp.int32, ndim=2)
     stand_of: wp.array(dtype=wp.int32, ndim=2)
     near: wp.array(dtype=wp.int32, ndim=2)
@@ -59,87 +59,87 @@ class Terrain:
     facet_start: wp.array(dtype=wp.int32)
     facet_member: wp.array(dtype=wp.int32)
     facet_corner: wp.array(dtype=vec2, ndim=2)
-    facet_plane: wp.array(dtype=vec3)
+    facet_plane: wp.array(dtype=wide3)
 
 
 @wp.struct
 class Rocks:
     """The rocks, in their principal frames."""
 
-    vertex: wp.array(dtype=vec3, ndim=2)  # [rock, vertex]
+    vertex: wp.array(dtype=wide3, ndim=2)  # [rock, vertex]
     vertex_count: wp.array(dtype=wp.int32)
     edge: wp.array(dtype=wp.vec2i, ndim=2)
     edge_count: wp.array(dtype=wp.int32)
-    skin: wp.array(dtype=vec3, ndim=2)  # corners of the outer surface
+    skin: wp.array(dtype=wide3, ndim=2)  # corners of the outer surface
     facet: wp.array(dtype=wp.vec3i, ndim=2)  # and its triangles
     facet_count: wp.array(dtype=wp.int32)
-    mass: wp.array(dtype=real)
-    inertia: wp.array(dtype=vec3)
-    bound: wp.array(dtype=real)
-    rounding: wp.array(dtype=real)
+    mass: wp.array(dtype=wide)
+    inertia: wp.array(dtype=wide3)
+    bound: wp.array(dtype=wide)
+    rounding: wp.array(dtype=wide)
 
 
 @wp.struct
 class GroundClasses:
     """Laws of the ground, by class."""
 
-    mu_min: wp.array(dtype=real)
-    mu_max: wp.array(dtype=real)
-    kappa: wp.array(dtype=real)
-    beta: wp.array(dtype=real)
-    drag: wp.array(dtype=real)
-    restitution: wp.array(dtype=real)
-    scar_modulus: wp.array(dtype=real)
-    scar_drag: wp.array(dtype=real)
+    mu_min: wp.array(dtype=wide)
+    mu_max: wp.array(dtype=wide)
+    kappa: wp.array(dtype=wide)
+    beta: wp.array(dtype=wide)
+    drag: wp.array(dtype=wide)
+    restitution: wp.array(dtype=wide)
+    scar_modulus: wp.array(dtype=wide)
+    scar_drag: wp.array(dtype=wide)
 
 
 @wp.struct
 class Obstacles:
     """Forest, trunks and screens."""
 
-    stand_drag: wp.array(dtype=real)
-    stand_height: wp.array(dtype=real)
+    stand_drag: wp.array(dtype=wide)
+    stand_height: wp.array(dtype=wide)
     tree_start: wp.array(dtype=wp.int32)  # of each ground cell
     tree_member: wp.array(dtype=wp.int32)
-    tree: wp.array(dtype=vec3)  # axis x, y and radius
-    tree_top: wp.array(dtype=real)
-    tree_friction: wp.array(dtype=real)
+    tree: wp.array(dtype=wide3)  # axis x, y and radius
+    tree_top: wp.array(dtype=wide)
+    tree_friction: wp.array(dtype=wide)
     # straight pieces of the barriers
     piece_from: wp.array(dtype=vec2)
     piece_to: wp.array(dtype=vec2)
     piece_barrier: wp.array(dtype=wp.int32)
-    barrier_height: wp.array(dtype=real)
-    barrier_capacity: wp.array(dtype=real)
+    barrier_height: wp.array(dtype=wide)
+    barrier_capacity: wp.array(dtype=wide)
 
 
 @wp.struct
 class Rules:
     """How trajectories are stepped; see rockfall.flights.Method."""
 
-    duration: real
-    gravity: vec3
-    dt: real
-    stride: real
-    tolerance: real
+    duration: wide
+    gravity: wide3
+    dt: wide
+    stride: wide
+    tolerance: wide
     sweeps: int
     accelerate_from: int
-    jump_angle: real
-    travel: real  # most horizontal way in one pass: what it passes is near
-    falling: real  # time in which a fall from rest covers half of that
-    lift: real
-    slop: real
-    rest_time: real
-    rest_move: real
+    jump_angle: wide
+    travel: wide  # most horizontal way in one pass: what it passes is near
+    falling: wide  # time in which a fall from rest covers half of that
+    lift: wide
+    slop: wide
+    rest_time: wide
+    rest_move: wide
 
 
 @wp.struct
 class ResultGrid:
     """Cells in which passages are counted."""
 
-    x: real
-    y: real
-    cell: real
-    per_metre: real  # cells
+    x: wide
+    y: wide
+    cell: wide
+    per_metre: wide  # cells
     rows: int
     columns: int
 
@@ -148,14 +148,14 @@ class ResultGrid:
 class Motion:
     """State of a rock."""
 
-    position: vec3
+    position: wide3
     orientation: quat
-    velocity: vec3
-    spin: vec3  # along its own axes
-    slip: real  # s of the friction law [m]
-    time: real
-    scar: real  # depth of the scarring layer of this impact, 0 in the air
-    step: real  # length of the last step in contact [s]
+    velocity: wide3
+    spin: wide3  # along its own axes
+    slip: wide  # s of the friction law [m]
+    time: wide
+    scar: wide  # depth of the scarring layer of this impact, 0 in the air
+    step: wide  # length of the last step in contact [s]
     touching: int  # some percussion pressed in the last step
     near_ground: int  # some vertex was below the surface in the last step
 
@@ -164,9 +164,9 @@ class Motion:
 class Window:
     """Where a rock was at the start of its rest window."""
 
-    position: vec3
+    position: wide3
     orientation: quat
-    time: real
+    time: wide
 
 
 @wp.struct
@@ -174,32 +174,32 @@ class Contact:
     """One closed contact of a step; vectors along the world's axes."""
 
     vertex: int  # whose percussion is kept, -1 for a trunk
-    gap: real
-    friction: real
-    arm: vec3
-    normal: vec3
-    turn: mat33  # spin by a unit percussion: I^-1 arm~
-    push: vec3  # change of the contact's own velocity by a unit normal percussion
-    bias: real  # restitution: eps min(0, approach at the step's start)
-    normal_yield: real  # G_NN
-    normal_relief: real  # and its inverse
-    tangent_yield: real  # largest eigenvalue of G_TT
-    tangent_relief: real
-    limit: real  # friction bound while frozen
-    percussion: vec3
+    gap: wide
+    friction: wide
+    arm: wide3
+    normal: wide3
+    turn: wide33  # spin by a unit percussion: I^-1 arm~
+    push: wide3  # change of the contact's own velocity by a unit normal percussion
+    bias: wide  # restitution: eps min(0, approach at the step's start)
+    normal_yield: wide  # G_NN
+    normal_relief: wide  # and its inverse
+    tangent_yield: wide  # largest eigenvalue of G_TT
+    tangent_relief: wide
+    limit: wide  # friction bound while frozen
+    percussion: wide3
 
 
 @wp.struct
 class Iterates:
     """Anderson acceleration's memory of one contact."""
 
-    before: vec3
-    last: vec3
-    change: vec3
-    step1: vec3
-    turn1: vec3
-    step2: vec3
-    turn2: vec3
+    before: wide3
+    last: wide3
+    change: wide3
+    step1: wide3
+    turn1: wide3
+    step2: wide3
+    turn2: wide3
 
 
 @wp.struct
@@ -219,12 +219,12 @@ class Crossing:
 
     barrier: int
     caught: int
-    time: real
-    position: vec3
-    height: real
-    energy: real
-    speed: real
-    spin: real
+    time: wide
+    position: wide3
+    height: wide
+    energy: wide
+    speed: wide
+    spin: wide
 
 
 @wp.struct
@@ -236,8 +236,8 @@ class Flights:
     motion: wp.array(dtype=Motion)
     window: wp.array(dtype=Window)
     count: wp.array(dtype=wp.int32, ndim=2)  # [slot, what]
-    measure: wp.array(dtype=real, ndim=2)
-    percussion: wp.array(dtype=vec3, ndim=2)  # [slot, vertex], for the warm start
+    measure: wp.array(dtype=wide, ndim=2)
+    percussion: wp.array(dtype=wide3, ndim=2)  # [slot, vertex], for the warm start
     contact: wp.array(dtype=Contact, ndim=2)  # [slot, contact]
     iterates: wp.array(dtype=Iterates, ndim=2)
     here: wp.array(dtype=Visit)  # the cell it is in

@@ -9,7 +9,7 @@ import functools
 import warp as wp
 from warpdem.kernels.incidence import pair_at, pairs_of
 from warpdem.kernels.neighbours import lower_bound
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.precision import wide, wide3, wide4, wide33
 from warpdem.kernels.refresh import pace
 from warpdem.kernels.sleep import stand_still
 from warpdem.kernels.variant import inlined, plain, variant
@@ -21,7 +21,7 @@ def calm(geometry: Geometry, inertia: Inertia, bodies: Bodies, body: int) -> boo
     """Whether a body lets those that touch it sleep."""
     if bodies.sleep.asleep[body] != 0:
         return True
-    if inertia.inverse_mass[body] == real(0.0):
+    if inertia.inverse_mass[body] == wide(0.0):
         return pace(geometry, bodies, body) < bodies.sleep.speed
     return bodies.sleep.slow[body] >= bodies.sleep.after
 
@@ -31,7 +31,7 @@ def choose_sleepers(
     # model
     geometry: Geometry,
     inertia: Inertia,
-    gravity: vec3,
+    gravity: wide3,
     # in
     pairs: Pairs,
     incidence: Incidence,
@@ -40,7 +40,7 @@ def choose_sleepers(
 ):
     """Write for those that shall fall asleep which change of the contact force wakes them [N]."""
     body = wp.tid()
-    if inertia.inverse_mass[body] == real(0.0) or bodies.sleep.asleep[body] != 0:
+    if inertia.inverse_mass[body] == wide(0.0) or bodies.sleep.asleep[body] != 0:
         return
     if bodies.sleep.slow[body] < bodies.sleep.after:
         return
@@ -55,7 +55,7 @@ def choose_sleepers(
                 other = pairs.owner[pair]
             if not calm(geometry, inertia, bodies, other):
                 return
-            largest = wp.max(largest, wp.length(pairs.force[pair]))
+            largest = wp.max(largest, wide(wp.length(pairs.force[pair])))
     bodies.sleep.allowed[body] = bodies.sleep.tolerance * largest
 
 
@@ -79,25 +79,25 @@ def fall_asleep(gather: wp.Function, *, acted: bool) -> wp.Kernel:
         energy: Account,
     ):
         body = wp.tid()
-        if bodies.sleep.asleep[body] != 0 or bodies.sleep.allowed[body] < real(0.0):
+        if bodies.sleep.asleep[body] != 0 or bodies.sleep.allowed[body] < wide(0.0):
             return
         force, torque, _acting = gather(pairs, incidence, body)
         bodies.sleep.force[body] = force
         bodies.sleep.torque[body] = torque
         momentum = bodies.momentum[body]
-        spun = wp.transpose(bodies.rotation[body]) * bodies.angular_momentum[body]
+        spun = wp.transpose(wide33(bodies.rotation[body])) * bodies.angular_momentum[body]
         moving = wp.dot(momentum, momentum) * inertia.inverse_mass[body]
         turning = wp.dot(spun, wp.cw_mul(spun, inertia.inverse_moment[body]))
         taken = bodies.sleep.taken[body]
-        bodies.sleep.taken[body] = taken + real(0.5) * (moving + turning)
-        bodies.momentum[body] = vec3()
-        bodies.angular_momentum[body] = vec3()
-        bodies.velocity[body] = vec3()
-        bodies.spin[body] = vec3()
-        bodies.velocity_end[body] = vec3()
-        bodies.spin_end[body] = vec3()
+        bodies.sleep.taken[body] = taken + wide(0.5) * (moving + turning)
+        bodies.momentum[body] = wide3()
+        bodies.angular_momentum[body] = wide3()
+        bodies.velocity[body] = wide3()
+        bodies.spin[body] = wide3()
+        bodies.velocity_end[body] = wide3()
+        bodies.spin_end[body] = wide3()
         if wp.static(acted):
-            energy.body_power[body] = real(0.0)
+            energy.body_power[body] = wide(0.0)
         bodies.sleep.asleep[body] = 1
 
     return fall_asleep
@@ -131,7 +131,7 @@ def deepen(
 @plain
 def end_powers(
     # in
-    dt: real,
+    dt: wide,
     pairs: Pairs,
     bodies: Bodies,
     # in and out
@@ -141,9 +141,9 @@ def end_powers(
     pair = wp.tid()
     if stand_still(bodies.sleep, pairs.owner[pair], pairs.partner[pair]):
         power = energy.power[pair]
-        account = energy.pair[pair] - power * (real(0.5) * dt)
-        energy.pair[pair] = vec4(energy.pair[pair][0], account[1], account[2], account[3])
-        energy.power[pair] = vec4()
+        account = energy.pair[pair] - power * (wide(0.5) * dt)
+        energy.pair[pair] = wide4(energy.pair[pair][0], account[1], account[2], account[3])
+        energy.power[pair] = wide4()
 
 
 @functools.cache
@@ -159,7 +159,7 @@ def carry_wrenches(*, packed: bool, account: bool) -> wp.Kernel:
         old_ends: wp.array(dtype=wp.int32),
         old: Pairs,
         before: Candidates,
-        stored: wp.array(dtype=vec4),
+        stored: wp.array(dtype=wide4),
         bodies: Bodies,
         # in and out
         pairs: Pairs,
@@ -184,7 +184,7 @@ def carry_wrenches(*, packed: bool, account: bool) -> wp.Kernel:
         pairs.force[pair] = old.force[k]
         pairs.torque_partner[pair] = old.torque_partner[k]
         if wp.static(account):
-            energy.pair[pair] = vec4(stored[k][0], real(0.0), real(0.0), real(0.0))
+            energy.pair[pair] = wide4(stored[k][0], wide(0.0), wide(0.0), wide(0.0))
         if wp.static(packed):
             pairs.torque[pair] = old.torque[k]
             first = old.start[k]

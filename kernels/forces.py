@@ -13,7 +13,7 @@ from warpdem.kernels.contact import apply_laws
 from warpdem.kernels.excess import Excess, share_out
 from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.precision import real, vec3, wide, wide4
 from warpdem.kernels.sharing import total_of
 from warpdem.kernels.sleep import stand_still
 from warpdem.kernels.touching import find_touching, frequency
@@ -33,13 +33,13 @@ from warpdem.kernels.views import (
 
 
 @wp.func
-def given_up(law: Material, freed: real, unrolled: real) -> vec4:
+def given_up(law: Material, freed: wide, unrolled: wide) -> wide4:
     """What the springs of contacts that opened lose: squares of their force and moment [J]."""
-    account = vec4()
-    if freed > real(0.0):
-        account[2] = freed / (real(2.0) * law.kt)
-    if unrolled > real(0.0):
-        account[3] = unrolled / (real(2.0) * law.kr)
+    account = wide4()
+    if freed > wide(0.0):
+        account[2] = freed / wide(real(2.0) * law.kt)
+    if unrolled > wide(0.0):
+        account[3] = unrolled / wide(real(2.0) * law.kr)
     return account
 
 
@@ -77,7 +77,7 @@ def dashpot(laws: Laws) -> wp.Function:
         tau = real(0.0)
         beta = real(0.0)
         if wp.static(laws.damped):
-            inverse_mass = inertia.inverse_mass[i] + inertia.inverse_mass[j]
+            inverse_mass = real(inertia.inverse_mass[i] + inertia.inverse_mass[j])
             square = inverse_mass
             if wp.static(laws.pair_damping or laws.predicted):
                 square = frequency_of(
@@ -121,7 +121,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         inertia: Inertia,
         materials: wp.array(dtype=Material),
         # in
-        dt: real,
+        dt: wide,
         margin: real,
         span: wp.array(dtype=wp.int32),
         bodies: Bodies,
@@ -150,37 +150,39 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         if wp.static(laws.sleeps):
             if stand_still(bodies.sleep, i, j):
                 return
-        d = bodies.position[i] - bodies.position[j]
+        apart = bodies.position[i] - bodies.position[j]
         flow = Flow()
         if wp.static(laws.periodic):
             image = real_vector(pairs.image[pair])
-            d -= cell.edges[0] * image
+            apart -= cell.edges[0] * image
             if wp.static(laws.deforming):
                 flow.half = cell.rate[0] * image
                 flow.end = cell.rate_end[0] * image
+        d = vec3(apart)
+        step = real(dt)
         law = materials[pairs.material[pair]]
         touching, freed, unrolled = find(
-            geometry, bodies, candidates, i, j, law, d, start, end, margin
+            geometry, bodies, candidates, i, j, law, apart, start, end, margin
         )
         pairs.touching[pair] = touching
         if wp.static(laws.damped and laws.predicted):
             if touching == 0:
                 pairs.looked[pair] = 0
         account = given_up(law, freed, unrolled)
-        power = vec4()
+        power = wide4()
         force = vec3()
         torque = vec3()
         if touching > 0:
             excess = Excess()
             if wp.static(laws.once):
-                excess = share_out(geometry, bodies, candidates, i, j, d, start, touching)
+                excess = share_out(geometry, bodies, candidates, i, j, apart, start, touching)
                 force = excess.force * law.kn
                 torque = excess.torque * law.kn
-                account[0] = real(0.5) * law.kn * excess.square
+                account[0] = wide(real(0.5) * law.kn * excess.square)
             # fmt: off
             total, tau, beta = dashpot_of(
                 inertia, drives, bodies, clock, pairs, candidates, law, pair, i, j, d, start,
-                touching, excess, dt,
+                touching, excess, step,
             )
             # fmt: on
             for slot in range(start, start + touching):
@@ -188,7 +190,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
                 f, t, a, p = apply(
                     geometry, inertia, bodies, candidates, law, flow, i, j, d,
                     place(candidates.which[slot]), candidates.normal[slot], candidates.point[slot],
-                    -candidates.gap[slot], total, tau, beta, dt,
+                    -candidates.gap[slot], total, tau, beta, step,
                 )
                 # fmt: on
                 force += f
@@ -201,7 +203,7 @@ def pair_forces(laws: Laws) -> wp.Kernel:
         if wp.static(laws.account):
             since = energy.pair[pair]
             lost = since + account + power * dt
-            energy.pair[pair] = vec4(account[0], lost[1], lost[2], lost[3])
+            energy.pair[pair] = wide4(account[0], lost[1], lost[2], lost[3])
             energy.power[pair] = power
 
     return pair_forces

@@ -9,26 +9,26 @@ import functools
 import warp as wp
 from warpdem.kernels.fall_views import FOREST, TREE, Motion, Obstacles, Rocks, Rules, Terrain
 from warpdem.kernels.ground import column_of, row_of
-from warpdem.kernels.precision import mat33, quat, real, vec3
+from warpdem.kernels.precision import quat, wide, wide3, wide33
 from warpdem.kernels.variant import inlined
 
 # of one stretch of free flight
-MOST_STEPS = wp.constant(real(1.0e6))
+MOST_STEPS = wp.constant(wide(1.0e6))
 # step of a rock however fast, over the largest one: time must go on
-SHORTEST = wp.constant(real(1.0e-3))
+SHORTEST = wp.constant(wide(1.0e-3))
 
 
 @wp.func
-def turned_by(q: quat, spin: vec3, at: quat, h: real) -> quat:
+def turned_by(q: quat, spin: wide3, at: quat, h: wide) -> quat:
     """``q`` + h dq/dt for a body spin at the orientation ``at``, at length one."""
-    rate = at * quat(spin[0], spin[1], spin[2], real(0.0))
-    return wp.normalize(q + rate * (real(0.5) * h))
+    rate = at * quat(spin[0], spin[1], spin[2], wide(0.0))
+    return wp.normalize(q + rate * (wide(0.5) * h))
 
 
 @wp.func
-def gyroscopic_axis(theta: vec3, spin: vec3) -> vec3:
+def gyroscopic_axis(theta: wide3, spin: wide3) -> wide3:
     """k of T(W) = W~ Theta + Theta W~, the skew matrix of k: T(W) W = W x Theta W."""
-    return vec3(
+    return wide3(
         spin[0] * (theta[1] + theta[2]),
         spin[1] * (theta[0] + theta[2]),
         spin[2] * (theta[0] + theta[1]),
@@ -36,25 +36,25 @@ def gyroscopic_axis(theta: vec3, spin: vec3) -> vec3:
 
 
 @wp.func
-def spin_at_start(theta: vec3, spin: vec3, h: real) -> vec3:
+def spin_at_start(theta: wide3, spin: wide3, h: wide) -> wide3:
     """W* of the published scheme: first order."""
     return spin
 
 
 @wp.func
-def spin_at_middle(theta: vec3, spin: vec3, h: real) -> vec3:
+def spin_at_middle(theta: wide3, spin: wide3, h: wide) -> wide3:
     """W* predicted for the middle of the step: second order."""
-    return spin - real(0.5) * h * wp.cw_div(wp.cross(spin, wp.cw_mul(theta, spin)), theta)
+    return spin - wide(0.5) * h * wp.cw_div(wp.cross(spin, wp.cw_mul(theta, spin)), theta)
 
 
 @wp.func
-def sharp_inverse(theta: vec3, k: vec3, h: real) -> mat33:
+def sharp_inverse(theta: wide3, k: wide3, h: wide) -> wide33:
     """(Theta + h/2 k~)^-1, with which the energy of free spin is kept to round-off."""
-    a = (real(0.5) * h) * k
+    a = (wide(0.5) * h) * k
     d = wp.cw_mul(theta, a)
     determinant = theta[0] * theta[1] * theta[2] + wp.dot(a, d)
-    cofactor = wp.diag(vec3(theta[1] * theta[2], theta[0] * theta[2], theta[0] * theta[1]))
-    return (cofactor + wp.outer(a, a) - wp.skew(d)) * (real(1.0) / determinant)
+    cofactor = wp.diag(wide3(theta[1] * theta[2], theta[0] * theta[2], theta[0] * theta[1]))
+    return (cofactor + wp.outer(a, a) - wp.skew(d)) * (wide(1.0) / determinant)
 
 
 @functools.cache
@@ -65,26 +65,26 @@ def fly(middle_spin: wp.Function, *, forest: bool) -> wp.Function:
     """
 
     @wp.func
-    def fly(rules: Rules, motion: Motion, theta: vec3, drag: real, h: real) -> Motion:
+    def fly(rules: Rules, motion: Motion, theta: wide3, drag: wide, h: wide) -> Motion:
         k = gyroscopic_axis(theta, middle_spin(theta, motion.spin, h))
         spin = motion.spin - h * (sharp_inverse(theta, k, h) @ wp.cross(k, motion.spin))
-        middle = turned_by(motion.orientation, motion.spin, motion.orientation, real(0.5) * h)
+        middle = turned_by(motion.orientation, motion.spin, motion.orientation, wide(0.5) * h)
         ended = motion
         ended.orientation = turned_by(
-            motion.orientation, real(0.5) * (motion.spin + spin), middle, h
+            motion.orientation, wide(0.5) * (motion.spin + spin), middle, h
         )
         ended.spin = spin
         ended.velocity = motion.velocity + h * rules.gravity
-        ended.position = motion.position + h * (motion.velocity + real(0.5) * h * rules.gravity)
+        ended.position = motion.position + h * (motion.velocity + wide(0.5) * h * rules.gravity)
         if wp.static(forest):
-            if drag > real(0.0):
+            if drag > wide(0.0):
                 kept = wp.exp(-drag * h)
-                mean = (real(1.0) - kept) / (drag * h)  # of exp(-drag t) over the step
+                mean = (wide(1.0) - kept) / (drag * h)  # of exp(-drag t) over the step
                 final = rules.gravity / drag
                 ended.velocity = final + kept * (motion.velocity - final)
                 ended.position = motion.position + h * (final + mean * (motion.velocity - final))
         ended.time = motion.time + h
-        ended.scar = real(0.0)
+        ended.scar = wide(0.0)
         ended.touching = int(0)
         ended.near_ground = int(0)
         return ended
@@ -93,14 +93,14 @@ def fly(middle_spin: wp.Function, *, forest: bool) -> wp.Function:
 
 
 @inlined()
-def step_length(rules: Rules, motion: Motion, bound: real) -> real:
+def step_length(rules: Rules, motion: Motion, bound: wide) -> wide:
     """Time step of a rock [s]: no point of it moves more than a part of its size, or too far."""
     dt = rules.dt
-    fastest = wp.length(motion.velocity) + bound * wp.length(motion.spin) + real(1.0e-12)
-    if rules.stride > real(0.0):
+    fastest = wp.length(motion.velocity) + bound * wp.length(motion.spin) + wide(1.0e-12)
+    if rules.stride > wide(0.0):
         dt = wp.clamp(rules.stride * bound / fastest, SHORTEST * rules.dt, rules.dt)
     # an impact may turn spin into speed
-    return wp.min(dt, wp.min(real(0.5) * rules.travel / fastest, rules.falling))
+    return wp.min(dt, wp.min(wide(0.5) * rules.travel / fastest, rules.falling))
 
 
 @functools.cache
@@ -109,9 +109,9 @@ def canopy_drag(ground: wp.Function) -> wp.Function:
 
     @inlined()
     def canopy_drag(
-        terrain: Terrain, obstacles: Obstacles, position: vec3, inverse_mass: real
-    ) -> real:
-        drag = real(0.0)
+        terrain: Terrain, obstacles: Obstacles, position: wide3, inverse_mass: wide
+    ) -> wide:
+        drag = wide(0.0)
         stand = terrain.stand_of[row_of(terrain, position[1]), column_of(terrain, position[0])]
         if stand >= 0:
             height = position[2] - ground(terrain, position[0], position[1])[0]
@@ -133,7 +133,7 @@ def free_steps(ground: wp.Function, *, jumps: bool, obstacles: bool) -> wp.Funct
 
     @inlined()
     def free_steps(
-        terrain: Terrain, rocks: Rocks, rules: Rules, motion: Motion, rock: int, dt: real
+        terrain: Terrain, rocks: Rocks, rules: Rules, motion: Motion, rock: int, dt: wide
     ) -> int:
         at = motion.position
         i = column_of(terrain, at[0])
@@ -141,14 +141,14 @@ def free_steps(ground: wp.Function, *, jumps: bool, obstacles: bool) -> wp.Funct
         slope = terrain.steep[j, i]
         bound = rocks.bound[rock]
         clear = at[2] - ground(terrain, at[0], at[1])[0]
-        clear -= bound * wp.sqrt(real(1.0) + slope * slope)
+        clear -= bound * wp.sqrt(wide(1.0) + slope * slope)
         steps = int(0)
-        if clear > real(0.0):
+        if clear > wide(0.0):
             v = motion.velocity
-            level = wp.sqrt(v[0] * v[0] + v[1] * v[1]) + real(1.0e-12)
+            level = wp.sqrt(v[0] * v[0] + v[1] * v[1]) + wide(1.0e-12)
             g = -rules.gravity[2]
             rise = v[2] - slope * level
-            safe = (rise + wp.sqrt(rise * rise + real(2.0) * g * clear)) / g
+            safe = (rise + wp.sqrt(rise * rise + wide(2.0) * g * clear)) / g
             safe = wp.min(safe, (terrain.reach - bound) / level)
             safe = wp.min(safe, wp.max(rules.duration - motion.time, dt))
             if wp.static(jumps):

@@ -4,7 +4,7 @@ import functools
 
 import warp as wp
 from warpdem.kernels.incidence import pair_at, pairs_of
-from warpdem.kernels.precision import vec3
+from warpdem.kernels.precision import wide3
 from warpdem.kernels.variant import inlined, place
 from warpdem.kernels.views import Bodies, Bonds, Incidence, Joints, Pairs
 
@@ -19,8 +19,8 @@ def gather(*, summed: bool) -> wp.Function:
     @inlined()
     def one_by_one(pairs: Pairs, incidence: Incidence, body: int):
         acting = int(0)
-        force = vec3()
-        torque = vec3()
+        force = wide3()
+        torque = wide3()
         first, others, count = pairs_of(incidence, body)
         for k in range(count):
             code = pair_at(incidence, body, first, others, k)
@@ -28,11 +28,11 @@ def gather(*, summed: bool) -> wp.Function:
             if pairs.touching[pair] > 0:
                 acting += 1
                 if (code & 1) == 0:
-                    force += pairs.force[pair]
-                    torque += pairs.torque[pair]
+                    force += wide3(pairs.force[pair])
+                    torque += wide3(pairs.torque[pair])
                 else:
-                    force -= pairs.force[pair]
-                    torque += pairs.torque_partner[pair]
+                    force -= wide3(pairs.force[pair])
+                    torque += wide3(pairs.torque_partner[pair])
         return force, torque, acting
 
     @inlined()
@@ -42,8 +42,8 @@ def gather(*, summed: bool) -> wp.Function:
         for k in range(incidence.start[body], incidence.start[body + 1]):
             pair = place(incidence.pair[k])
             if pairs.touching[pair] > 0:
-                force -= pairs.force[pair]
-                torque += pairs.torque_partner[pair]
+                force -= wide3(pairs.force[pair])
+                torque += wide3(pairs.torque_partner[pair])
         return force, torque, 0
 
     return beyond_own if summed else one_by_one
@@ -52,8 +52,8 @@ def gather(*, summed: bool) -> wp.Function:
 @inlined()
 def gather_bonds(bonds: Bonds, joined: Joints, body: int):
     """Force and torque of the bonds on a body, summed over its interfaces in a fixed order."""
-    force = vec3()
-    torque = vec3()
+    force = wide3()
+    torque = wide3()
     for k in range(joined.start[body], joined.start[body + 1]):
         code = joined.interface[k]
         interface = code >> 1
@@ -81,8 +81,8 @@ def gathering(*, contacts: bool, summed: bool, braking: bool, bonds: bool) -> wp
         bodies: Bodies,
         body: int,
     ):
-        force = vec3()
-        torque = vec3()
+        force = wide3()
+        torque = wide3()
         if wp.static(contacts):
             force, torque, acting = gather_pairs(pairs, incidence, body)
             if wp.static(braking):

@@ -2,24 +2,24 @@
 
 import warp as wp
 from warpdem.kernels.fall_views import Terrain
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import wide, wide3
 from warpdem.kernels.variant import inlined
 
 
 @inlined()
-def column_of(terrain: Terrain, x: real) -> int:
+def column_of(terrain: Terrain, x: wide) -> int:
     """Column of the cell that holds ``x``, or of the nearest one."""
     return wp.clamp(int(wp.floor((x - terrain.x) * terrain.per_metre)), 0, terrain.columns - 1)
 
 
 @inlined()
-def row_of(terrain: Terrain, y: real) -> int:
+def row_of(terrain: Terrain, y: wide) -> int:
     """Row of the cell that holds ``y``, or of the nearest one."""
     return wp.clamp(int(wp.floor((y - terrain.y) * terrain.per_metre)), 0, terrain.rows - 1)
 
 
 @inlined()
-def is_known(terrain: Terrain, x: real, y: real) -> bool:
+def is_known(terrain: Terrain, x: wide, y: wide) -> bool:
     """Whether a rock's centre may be above this point."""
     i = int(wp.floor((x - terrain.x) * terrain.per_metre))
     j = int(wp.floor((y - terrain.y) * terrain.per_metre))
@@ -30,17 +30,17 @@ def is_known(terrain: Terrain, x: real, y: real) -> bool:
 
 
 @inlined()
-def raster_ground(terrain: Terrain, x: real, y: real) -> vec3:
+def raster_ground(terrain: Terrain, x: wide, y: wide) -> wide3:
     """Height, dh/dx, dh/dy of the bilinear surface; the border's patch goes on beyond it."""
     i = column_of(terrain, x)
     j = row_of(terrain, y)
-    a = (x - terrain.x) * terrain.per_metre - real(i)
-    b = (y - terrain.y) * terrain.per_metre - real(j)
+    a = (x - terrain.x) * terrain.per_metre - wide(i)
+    b = (y - terrain.y) * terrain.per_metre - wide(j)
     h = terrain.heights[j, i]
     east = terrain.heights[j, i + 1] - h
     north = terrain.heights[j + 1, i] - h
     twist = terrain.heights[j + 1, i + 1] - h - north - east
-    return vec3(
+    return wide3(
         h + a * east + b * north + a * b * twist,
         (east + b * twist) * terrain.per_metre,
         (north + a * twist) * terrain.per_metre,
@@ -48,16 +48,16 @@ def raster_ground(terrain: Terrain, x: real, y: real) -> vec3:
 
 
 @wp.func
-def is_left(a: wp.vec2d, b: wp.vec2d, x: real, y: real) -> bool:
+def is_left(a: wp.vec2d, b: wp.vec2d, x: wide, y: wide) -> bool:
     """Whether a point is on the left of the line from a to b, or on it within rounding."""
     cross = (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
-    return cross >= real(-1.0e-12) * wp.length_sq(b - a)
+    return cross >= wide(-1.0e-12) * wp.length_sq(b - a)
 
 
 @inlined()
-def facet_ground(terrain: Terrain, x: real, y: real) -> vec3:
+def facet_ground(terrain: Terrain, x: wide, y: wide) -> wide3:
     """Height, dh/dx, dh/dy of the highest triangle over the point; NaN where there is none."""
-    found = vec3(real(wp.nan), real(0.0), real(0.0))
+    found = wide3(wide(wp.nan), wide(0.0), wide(0.0))
     number = row_of(terrain, y) * terrain.columns + column_of(terrain, x)
     for k in range(terrain.facet_start[number], terrain.facet_start[number + 1]):
         facet = terrain.facet_member[k]
@@ -68,11 +68,11 @@ def facet_ground(terrain: Terrain, x: real, y: real) -> vec3:
             plane = terrain.facet_plane[facet]
             height = plane[0] + plane[1] * x + plane[2] * y
             if not (height <= found[0]):
-                found = vec3(height, plane[1], plane[2])
+                found = wide3(height, plane[1], plane[2])
     return found
 
 
 @wp.func
-def upward_normal(ground: vec3) -> vec3:
+def upward_normal(ground: wide3) -> wide3:
     """Unit normal of a ground with slopes ground[1], ground[2]."""
-    return wp.normalize(vec3(-ground[1], -ground[2], real(1.0)))
+    return wp.normalize(wide3(-ground[1], -ground[2], wide(1.0)))

@@ -13,13 +13,13 @@ from warpdem.kernels.fall_views import (
     Terrain,
 )
 from warpdem.kernels.ground import column_of, row_of, upward_normal
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import wide, wide3, wide33
 from warpdem.kernels.variant import inlined
 
 # squared sine against the vertical below which an edge is upright
-UPRIGHT = wp.constant(real(1.0e-18))
+UPRIGHT = wp.constant(wide(1.0e-18))
 # difference of two distances from a trunk, over the rock's size, that is rounding
-ALIKE = wp.constant(real(1.0e-9))
+ALIKE = wp.constant(wide(1.0e-9))
 
 
 @wp.struct
@@ -27,7 +27,7 @@ class Touched:
     """What a rock touches: number of closed contacts, depth of the deepest [m]."""
 
     count: int
-    depth: real
+    depth: wide
 
 
 @inlined()
@@ -50,9 +50,9 @@ def admit(flights: Flights, slot: int, count: int, contact: Contact) -> int:
 
 
 @inlined()
-def steepest(terrain: Terrain, at: vec3, bound: real) -> real:
+def steepest(terrain: Terrain, at: wide3, bound: wide) -> wide:
     """Largest slope anywhere below a rock; infinite where that is not known."""
-    slope = real(wp.inf)
+    slope = wide(wp.inf)
     if bound <= terrain.reach:
         slope = terrain.steep[row_of(terrain, at[1]), column_of(terrain, at[0])]
     return slope
@@ -70,10 +70,10 @@ def touch_ground(ground: wp.Function, *, rounded: bool) -> wp.Function:
         terrain: Terrain,
         rocks: Rocks,
         rock: int,
-        centre: vec3,
-        turn: mat33,
-        friction: real,
-        warm: real,
+        centre: wide3,
+        turn: wide33,
+        friction: wide,
+        warm: wide,
         flights: Flights,
         slot: int,
     ) -> Touched:
@@ -81,10 +81,10 @@ def touch_ground(ground: wp.Function, *, rounded: bool) -> wp.Function:
         slope = steepest(terrain, centre, rocks.bound[rock])
         above = centre[2] - ground(terrain, centre[0], centre[1])[0]
         if wp.static(rounded):
-            above -= rocks.rounding[rock] * wp.sqrt(real(1.0) + slope * slope)
+            above -= rocks.rounding[rock] * wp.sqrt(wide(1.0) + slope * slope)
         for i in range(rocks.vertex_count[rock]):
             last = warm * flights.percussion[slot, i]
-            flights.percussion[slot, i] = vec3()
+            flights.percussion[slot, i] = wide3()
             arm = turn @ rocks.vertex[rock, i]
             # above every ground of that slope through the one below the centre
             if above + arm[2] > slope * (wp.abs(arm[0]) + wp.abs(arm[1])):
@@ -93,9 +93,9 @@ def touch_ground(ground: wp.Function, *, rounded: bool) -> wp.Function:
             under = ground(terrain, place[0], place[1])
             gap = place[2] - under[0]
             if wp.static(rounded):
-                steepness = wp.sqrt(real(1.0) + under[1] * under[1] + under[2] * under[2])
+                steepness = wp.sqrt(wide(1.0) + under[1] * under[1] + under[2] * under[2])
                 gap -= rocks.rounding[rock] * steepness
-            if gap <= real(0.0):
+            if gap <= wide(0.0):
                 contact = Contact()
                 contact.vertex = i
                 contact.gap = gap
@@ -113,12 +113,12 @@ def touch_ground(ground: wp.Function, *, rounded: bool) -> wp.Function:
 
 
 @inlined()
-def sink(flights: Flights, slot: int, touched: Touched, scar: real) -> Touched:
+def sink(flights: Flights, slot: int, touched: Touched, scar: wide) -> Touched:
     """The contacts with the hard ground, ``scar`` below the surface; the others are taken out."""
     left = Touched()
     for c in range(touched.count):
         contact = flights.contact[slot, c]
-        if contact.gap + scar <= real(0.0):
+        if contact.gap + scar <= wide(0.0):
             contact.gap = contact.gap + scar
             flights.contact[slot, left.count] = contact
             left.count += 1
@@ -127,18 +127,18 @@ def sink(flights: Flights, slot: int, touched: Touched, scar: real) -> Touched:
 
 
 @wp.func
-def nearest_on(a: vec3, b: vec3) -> vec3:
+def nearest_on(a: wide3, b: wide3) -> wide3:
     """Point of the segment a b that is nearest to the z axis; its middle if it is upright."""
     along = b - a
     length = along[0] * along[0] + along[1] * along[1]
-    part = real(0.5)
+    part = wide(0.5)
     if length > UPRIGHT * wp.length_sq(along):
-        part = wp.clamp(-(a[0] * along[0] + a[1] * along[1]) / length, real(0.0), real(1.0))
+        part = wp.clamp(-(a[0] * along[0] + a[1] * along[1]) / length, wide(0.0), wide(1.0))
     return a + part * along
 
 
 @wp.func
-def lowered(a: vec3, b: vec3, top: real) -> vec3:
+def lowered(a: wide3, b: wide3, top: wide) -> wide3:
     """End a of the segment a b, or where it sinks below ``top``; b is below."""
     end = a
     if a[2] > top:
@@ -148,7 +148,7 @@ def lowered(a: vec3, b: vec3, top: real) -> vec3:
 
 @inlined()
 def touch_tree(
-    obstacles: Obstacles, rocks: Rocks, rock: int, centre: vec3, turn: mat33, tree: int
+    obstacles: Obstacles, rocks: Rocks, rock: int, centre: wide3, turn: wide33, tree: int
 ) -> Contact:
     """Contact of a rock with a trunk; its gap is positive when there is none.
 
@@ -158,12 +158,12 @@ def touch_tree(
     """
     trunk = obstacles.tree[tree]
     top = obstacles.tree_top[tree]
-    axis = vec3(trunk[0], trunk[1], real(0.0))
+    axis = wide3(trunk[0], trunk[1], wide(0.0))
     alike = ALIKE * rocks.bound[rock]
-    nearest = vec3()
-    closest = real(wp.inf)
-    low = real(0.0)
-    high = real(0.0)
+    nearest = wide3()
+    closest = wide(wp.inf)
+    low = wide(0.0)
+    high = wide(0.0)
     for k in range(rocks.edge_count[rock]):
         edge = rocks.edge[rock, k]
         a = centre + turn @ rocks.vertex[rock, edge[0]] - axis
@@ -179,15 +179,15 @@ def touch_tree(
                 low = wp.min(low, place[2])
                 high = wp.max(high, place[2])
             closest = wp.min(closest, distance)
-    nearest[2] = real(0.5) * (low + high)
+    nearest[2] = wide(0.5) * (low + high)
     contact = Contact()
     contact.vertex = int(-1)
     contact.friction = obstacles.tree_friction[tree]
-    contact.normal = wp.normalize(vec3(nearest[0], nearest[1], real(0.0)))
+    contact.normal = wp.normalize(wide3(nearest[0], nearest[1], wide(0.0)))
     contact.arm = nearest + axis - centre - rocks.rounding[rock] * contact.normal
     contact.gap = closest - trunk[2] - rocks.rounding[rock]
-    if closest == real(0.0):
-        contact.gap = real(1.0)
+    if closest == wide(0.0):
+        contact.gap = wide(1.0)
     return contact
 
 
@@ -197,8 +197,8 @@ def touch_trees(
     obstacles: Obstacles,
     rocks: Rocks,
     rock: int,
-    centre: vec3,
-    turn: mat33,
+    centre: wide3,
+    turn: wide33,
     flights: Flights,
     slot: int,
     touched: Touched,
@@ -212,7 +212,7 @@ def touch_trees(
         for k in range(obstacles.tree_start[number], obstacles.tree_start[number + 1]):
             tree = obstacles.tree_member[k]
             contact = touch_tree(obstacles, rocks, rock, centre, turn, tree)
-            if contact.gap <= real(0.0):
+            if contact.gap <= wide(0.0):
                 all_touched.count = admit(flights, slot, all_touched.count, contact)
                 all_touched.depth = wp.max(all_touched.depth, -contact.gap)
     return all_touched

@@ -11,10 +11,10 @@ list, bonds for instance, keeps n with them.
 import functools
 
 import warp as wp
-from warpdem.kernels.bounds import bodies_near
+from warpdem.kernels.bounds import bodies_near, widened
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.neighbours import glued, owns
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import vec3, wide, wide3, wide33
 from warpdem.kernels.surfaces import surface_near
 from warpdem.kernels.variant import inlined, plain, variant
 from warpdem.kernels.views import Bodies, Bonds, Cell, Geometry, Inertia
@@ -28,7 +28,7 @@ def wrap_bodies(
     cell: Cell,
     # out
     home: wp.array(dtype=wp.vec3i),
-    wrapped: wp.array(dtype=vec3),
+    wrapped: wp.array(dtype=wide3),
 ):
     """The cell each body is in, and its position wrapped into the first one."""
     body = wp.tid()
@@ -37,7 +37,7 @@ def wrap_bodies(
     h = wp.vec3i()
     for a in range(3):
         if periodic[a] != 0:
-            h[a] = int(wp.floor(s[a] + real(0.5)))
+            h[a] = int(wp.floor(s[a] + wide(0.5)))
     home[body] = h
     wrapped[body] = x - cell.edges[0] * real_vector(h)
 
@@ -72,7 +72,9 @@ def comes_first(m: wp.vec3i) -> bool:
 
 
 @wp.func
-def range_of_images(inverse: mat33, s: vec3, reach: vec3, periodic: wp.vec3i, spanning: wp.vec3i):
+def range_of_images(
+    inverse: wide33, s: wide3, reach: wide3, periodic: wp.vec3i, spanning: wp.vec3i
+):
     """Least and greatest image that may come within ``reach`` of a point at ``s`` in the cell."""
     low = wp.vec3i()
     high = wp.vec3i()
@@ -80,8 +82,8 @@ def range_of_images(inverse: mat33, s: vec3, reach: vec3, periodic: wp.vec3i, sp
         if periodic[a] != 0 and spanning[a] == 0:
             # part of the cell's height over its face a that the reach is
             share = reach[a] * wp.length(inverse[a])
-            low[a] = int(wp.ceil(s[a] - real(0.5) - share))
-            high[a] = int(wp.floor(s[a] + real(0.5) + share))
+            low[a] = int(wp.ceil(s[a] - wide(0.5) - share))
+            high[a] = int(wp.floor(s[a] + wide(0.5) + share))
     return low, high
 
 
@@ -109,11 +111,11 @@ def meeting(*, bonds: bool) -> wp.Function:
         j: int,
         m: wp.vec3i,
         n: wp.vec3i,
-        gap: real,
+        gap: wide,
     ) -> bool:
         """Whether i owns its pair with image n of j, and they could touch within their skins."""
         if i == j:
-            if inertia.inverse_mass[i] == real(0.0) or not comes_first(m):
+            if inertia.inverse_mass[i] == wide(0.0) or not comes_first(m):
                 return False
         elif not owns(geometry, inertia, i, j):
             return False
@@ -122,8 +124,9 @@ def meeting(*, bonds: bool) -> wp.Function:
             if n[0] == 0 and n[1] == 0 and n[2] == 0:
                 if glued(glue, i, j):
                     return False
-        d = bodies.position[i] - bodies.position[j] - cell.edges[0] * real_vector(n)
-        skin = bodies.reach[i] + bodies.reach[j] + gap
+        away = bodies.position[i] - bodies.position[j] - cell.edges[0] * real_vector(n)
+        d = vec3(away)
+        skin = widened(geometry, i, j, d, bodies.reach[i] + bodies.reach[j] + gap)
         return bodies_near(geometry, bodies, i, j, d, skin)
 
     return meets
@@ -141,19 +144,19 @@ def find_images(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.K
         inertia: Inertia,
         periodic: wp.vec3i,
         grid: wp.uint64,
-        grid_bound: real,
+        grid_bound: wide,
         tree: wp.uint64,
         tree_body: wp.array(dtype=wp.int32),
-        tree_reach: vec3,
+        tree_reach: wide3,
         surface_body: wp.array(dtype=wp.int32),
         # in
-        gap: real,
-        widest: real,
+        gap: wide,
+        widest: wide,
         bodies: Bodies,
         glue: Bonds,
         cell: Cell,
         home: wp.array(dtype=wp.vec3i),
-        wrapped: wp.array(dtype=vec3),
+        wrapped: wp.array(dtype=wide3),
         # out
         ends: wp.array(dtype=wp.int32),
         owner: wp.array(dtype=wp.int32),
@@ -171,9 +174,9 @@ def find_images(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.K
         s = inverse * (wrapped[i] - cell.centre[0])
         own = bodies.reach[i] + gap
         grown = geometry.bound[i] + own + widest
-        reach = vec3(grown + grid_bound)
+        reach = wide3(grown + grid_bound)
         if wp.static(large):
-            reach = wp.max(reach, vec3(grown) + tree_reach)
+            reach = wp.max(reach, wide3(grown) + tree_reach)
         low, high = range_of_images(inverse, s, reach, periodic, cell.spanning[i])
         for mx in range(low[0], high[0] + 1):
             for my in range(low[1], high[1] + 1):
@@ -190,8 +193,8 @@ def find_images(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp.K
                                     count += 1
                     if wp.static(large):
                         # the tree holds single precision: one part in 1e6 outward
-                        slack = real(1.0e-6) * (wp.length(x) + grown)
-                        corner = vec3(grown + slack)
+                        slack = wide(1.0e-6) * (wp.length(x) + grown)
+                        corner = wide3(grown + slack)
                         query = wp.bvh_query_aabb(tree, wp.vec3(x - corner), wp.vec3(x + corner))
                         item = int(0)
                         while wp.bvh_query_next(query, item):

@@ -1,13 +1,15 @@
 """Small parts of the integration: vertices and orientation, the end of a step, the account."""
 
+from typing import Any
+
 import warp as wp
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import mat33, wide
 from warpdem.kernels.variant import inlined, plain
 from warpdem.kernels.views import Account, Bodies, Clock, Geometry
 
 
 @wp.func
-def world_inverse(rotation: mat33, inverse_moment: vec3, momentum: vec3) -> vec3:
+def world_inverse(rotation: Any, inverse_moment: Any, momentum: Any):
     """World I^-1 L from the rotation matrix; zero for a fixed body."""
     return rotation * wp.cw_mul(wp.transpose(rotation) * momentum, inverse_moment)
 
@@ -32,7 +34,7 @@ def orient(
 ):
     """Rotation matrix and vertices of every body from its orientation."""
     body = wp.tid()
-    bodies.rotation[body] = wp.quat_to_matrix(bodies.orientation[body])
+    bodies.rotation[body] = mat33(wp.quat_to_matrix(bodies.orientation[body]))
     place_arms(geometry, bodies, body)
 
 
@@ -52,8 +54,8 @@ def halt(
 
 
 @inlined()
-def book(energy: Account, body: int, power: real, dt: real):
+def book(energy: Account, body: int, power: wide, dt: wide):
     """Add the work of a step, whose powers at both ends are known, to a body's account."""
-    mean = real(0.5) * (power + energy.body_power[body])
+    mean = wide(0.5) * (power + energy.body_power[body])
     energy.work[body] = energy.work[body] + mean * dt
     energy.body_power[body] = power

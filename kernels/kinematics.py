@@ -3,7 +3,7 @@
 import functools
 
 import warp as wp
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import real, vec3, wide, wide3
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Inertia
 
@@ -25,8 +25,8 @@ class Kinematics:
 class Flow:
     """Velocity of an image beyond that of its body, where the periodic cell deforms [m/s]."""
 
-    half: vec3  # at the half step
-    end: vec3  # predicted for the end of the step
+    half: wide3  # at the half step
+    end: wide3  # predicted for the end of the step
 
 
 @functools.cache
@@ -52,25 +52,29 @@ def kinematics(*, predicted: bool, deforming: bool, central: bool = False) -> wp
         # distances of the contact from the centres
         own = wp.dot(d - point, normal)
         other = wp.dot(point, normal)
-        relative = bodies.velocity[j] - bodies.velocity[i]
-        end = relative
+        moving = bodies.velocity[j] - bodies.velocity[i]
+        ending = moving
         if wp.static(predicted):
-            end = bodies.velocity_end[j] - bodies.velocity_end[i]
+            ending = bodies.velocity_end[j] - bodies.velocity_end[i]
         if wp.static(deforming):
-            relative += flow.half
-            end += flow.end
+            moving += flow.half
+            ending += flow.end
+        relative = vec3(moving)
+        end = vec3(ending)
         motion.approach = wp.dot(relative, normal)
         motion.approach_end = wp.dot(end, normal)
-        turning = wp.cross(bodies.spin[j] * other + bodies.spin[i] * own, normal)
+        turning = wp.cross(vec3(bodies.spin[j]) * other + vec3(bodies.spin[i]) * own, normal)
         motion.sliding = relative - normal * motion.approach + turning
-        motion.spin = bodies.spin[j] - bodies.spin[i]
-        motion.turn = real(0.5) * dt * wp.dot(bodies.spin[i] + bodies.spin[j], normal)
+        motion.spin = vec3(bodies.spin[j] - bodies.spin[i])
+        motion.turn = real(0.5) * dt * wp.dot(vec3(bodies.spin[i] + bodies.spin[j]), normal)
         motion.sliding_end = motion.sliding
         motion.spin_end = motion.spin
         if wp.static(predicted):
-            turning = wp.cross(bodies.spin_end[j] * other + bodies.spin_end[i] * own, normal)
+            turns_j = vec3(bodies.spin_end[j])
+            turns_i = vec3(bodies.spin_end[i])
+            turning = wp.cross(turns_j * other + turns_i * own, normal)
             motion.sliding_end = end - normal * motion.approach_end + turning
-            motion.spin_end = bodies.spin_end[j] - bodies.spin_end[i]
+            motion.spin_end = vec3(bodies.spin_end[j] - bodies.spin_end[i])
         return motion
 
     @inlined()
@@ -86,25 +90,27 @@ def kinematics(*, predicted: bool, deforming: bool, central: bool = False) -> wp
     ) -> Kinematics:
         arm = point - d
         motion = Kinematics()
-        relative = bodies.velocity[j] + wp.cross(bodies.spin[j], point)
-        relative -= bodies.velocity[i] + wp.cross(bodies.spin[i], arm)
+        moving = bodies.velocity[j] + wide3(wp.cross(vec3(bodies.spin[j]), point))
+        moving -= bodies.velocity[i] + wide3(wp.cross(vec3(bodies.spin[i]), arm))
         if wp.static(deforming):
-            relative += flow.half
+            moving += flow.half
+        relative = vec3(moving)
         motion.approach = wp.dot(relative, normal)
         motion.sliding = relative - normal * motion.approach
-        motion.spin = bodies.spin[j] - bodies.spin[i]
-        motion.turn = real(0.5) * dt * wp.dot(bodies.spin[i] + bodies.spin[j], normal)
+        motion.spin = vec3(bodies.spin[j] - bodies.spin[i])
+        motion.turn = real(0.5) * dt * wp.dot(vec3(bodies.spin[i] + bodies.spin[j]), normal)
         motion.approach_end = motion.approach
         motion.sliding_end = motion.sliding
         motion.spin_end = motion.spin
         if wp.static(predicted):
-            end = bodies.velocity_end[j] + wp.cross(bodies.spin_end[j], point)
-            end -= bodies.velocity_end[i] + wp.cross(bodies.spin_end[i], arm)
+            ending = bodies.velocity_end[j] + wide3(wp.cross(vec3(bodies.spin_end[j]), point))
+            ending -= bodies.velocity_end[i] + wide3(wp.cross(vec3(bodies.spin_end[i]), arm))
             if wp.static(deforming):
-                end += flow.end
+                ending += flow.end
+            end = vec3(ending)
             motion.approach_end = wp.dot(end, normal)
             motion.sliding_end = end - normal * motion.approach_end
-            motion.spin_end = bodies.spin_end[j] - bodies.spin_end[i]
+            motion.spin_end = vec3(bodies.spin_end[j] - bodies.spin_end[i])
         return motion
 
     return between_centres if central else kinematics
@@ -113,8 +119,8 @@ def kinematics(*, predicted: bool, deforming: bool, central: bool = False) -> wp
 @inlined()
 def branch(inertia: Inertia, i: int, j: int, d: vec3, point: vec3) -> real:
     """Branch length: from centre to centre, or from the only free body to the contact [m]."""
-    if inertia.inverse_mass[i] == real(0.0):
+    if inertia.inverse_mass[i] == wide(0.0):
         return wp.length(point)
-    if inertia.inverse_mass[j] == real(0.0):
+    if inertia.inverse_mass[j] == wide(0.0):
         return wp.length(point - d)
     return wp.length(d)

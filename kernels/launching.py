@@ -17,7 +17,7 @@ from warpdem.kernels.fall_views import (
     Window,
 )
 from warpdem.kernels.passages import larger, result_cell, values_on, way_of
-from warpdem.kernels.precision import quat, real, vec3
+from warpdem.kernels.precision import quat, wide, wide3
 from warpdem.kernels.variant import variant
 
 
@@ -36,10 +36,10 @@ def begin(ground: wp.Function) -> wp.Kernel:
         # in
         slots: wp.array(dtype=wp.int32),
         rock: wp.array(dtype=wp.int32),
-        position: wp.array(dtype=vec3),
+        position: wp.array(dtype=wide3),
         orientation: wp.array(dtype=quat),
-        velocity: wp.array(dtype=vec3),
-        spin: wp.array(dtype=vec3),
+        velocity: wp.array(dtype=wide3),
+        spin: wp.array(dtype=wide3),
         # out
         flights: Flights,
     ):
@@ -58,13 +58,13 @@ def begin(ground: wp.Function) -> wp.Kernel:
         flights.motion[slot] = motion
         flights.window[slot] = window
         for i in range(flights.percussion.shape[1]):
-            flights.percussion[slot, i] = vec3()
+            flights.percussion[slot, i] = wide3()
         for i in range(flights.count.shape[1]):
             flights.count[slot, i] = 0
         for i in range(flights.measure.shape[1]):
-            flights.measure[slot, i] = real(0.0)
+            flights.measure[slot, i] = wide(0.0)
         way = way_of(rocks, rules, rock[k], motion, motion)
-        first = values(terrain, way, real(0.0))
+        first = values(terrain, way, wide(0.0))
         for i in range(LARGEST_COUNT):
             flights.measure[slot, LARGEST + i] = first[i]
         visit = Visit()

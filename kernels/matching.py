@@ -9,7 +9,7 @@ import functools
 import warp as wp
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.neighbours import lower_bound
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.precision import real, vec3, wide, wide3, wide4
 from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import Bodies, Candidates, Cell, Geometry, Pairs
 
@@ -24,7 +24,7 @@ def successor(candidates: Candidates, start: int, touching: int, point: vec3, re
         c = candidates.which[slot]
         away = candidates.point[slot] - point
         square = wp.dot(away, away)
-        new = candidates.past[c][3] == real(-1.0)
+        new = candidates.past[c][3] == wide(-1.0)
         touches = candidates.gap[slot] < real(0.0)
         if square <= reach * reach and touches:
             if (new and not fresh) or (new == fresh and square < nearest):
@@ -50,7 +50,7 @@ def hand_over(gap_of: wp.Function, laws: Laws) -> wp.Function:
         candidates: Candidates,
         i: int,
         j: int,
-        d: vec3,
+        d: wide3,
         start: int,
         end: int,
         touching: int,
@@ -61,28 +61,28 @@ def hand_over(gap_of: wp.Function, laws: Laws) -> wp.Function:
             if wp.static(laws.polyhedra):
                 c = place(candidates.hot[k])
             past = candidates.past[c]
-            if past[3] <= real(-2.0):
+            if past[3] <= wide(-2.0):
                 hit = gap_of(geometry, bodies, i, j, d, real(0.0), True, candidates.code[c])
                 heir = successor(candidates, start, touching, hit.point, reach)
                 if heir >= 0:
                     own = candidates.past[heir]
-                    if own[3] == real(-1.0):
-                        candidates.past[heir] = vec4(
-                            past[0], past[1], past[2], real(-2.0) - past[3]
+                    if own[3] == wide(-1.0):
+                        candidates.past[heir] = wide4(
+                            past[0], past[1], past[2], wide(-2.0) - past[3]
                         )
                         if wp.static(laws.moving):
                             candidates.share[heir] = candidates.share[c]
                         if wp.static(laws.avalanche):
                             candidates.last[heir] = candidates.last[c]
                     else:
-                        candidates.past[heir] = vec4(
+                        candidates.past[heir] = wide4(
                             own[0] + past[0], own[1] + past[1], own[2] + past[2], own[3]
                         )
                     if wp.static(laws.rolling):
                         candidates.rolled[heir] = candidates.rolled[heir] + candidates.rolled[c]
-                candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+                candidates.past[c] = wide4(wide(0.0), wide(0.0), wide(0.0), wide(-1.0))
                 if wp.static(laws.rolling):
-                    candidates.rolled[c] = vec4()
+                    candidates.rolled[c] = wide4()
 
     return hand_over
 
@@ -134,8 +134,8 @@ def carry_history(
         old_image: wp.array(dtype=wp.vec3i),
         old_start: wp.array(dtype=wp.int32),
         old_code: wp.array(dtype=wp.int64),
-        old_past: wp.array(dtype=vec4),
-        old_rolled: wp.array(dtype=vec4),
+        old_past: wp.array(dtype=wide4),
+        old_rolled: wp.array(dtype=wide4),
         old_share: wp.array(dtype=real),
         old_last: wp.array(dtype=real),
         old_looked: wp.array(dtype=wp.int32),
@@ -165,8 +165,8 @@ def carry_history(
             code = candidates.code[c]
             while k < end and old_code[wp.min(k, end - 1)] < code:
                 k += 1
-            past = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
-            rolled = vec4()
+            past = wide4(wide(0.0), wide(0.0), wide(0.0), wide(-1.0))
+            rolled = wide4()
             share = real(1.0)
             gap = real(0.0)
             if k < end:
@@ -180,7 +180,7 @@ def carry_history(
                         gap = old_last[k]
             candidates.past[c] = past
             if wp.static(hot):
-                candidates.clear[c] = real(0.0)
+                candidates.clear[c] = wide(0.0)
             if wp.static(rolling):
                 candidates.rolled[c] = rolled
             if wp.static(shares):
@@ -189,7 +189,7 @@ def carry_history(
                 candidates.last[c] = gap
         if wp.static(hot):
             pairs.hot_end[pair] = pairs.start[pair]
-            pairs.cold[pair] = real(-1.0)
+            pairs.cold[pair] = wide(-1.0)
         pairs.touching[pair] = 0
         if wp.static(braking):
             pairs.looked[pair] = 0

@@ -6,7 +6,7 @@ from typing import Any
 import warp as wp
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.incidence import pair_at, pairs_of
-from warpdem.kernels.precision import mat66, real, vec3, vec6
+from warpdem.kernels.precision import mat66, real, vec3, vec6, wide, wide3
 from warpdem.kernels.variant import variant
 from warpdem.kernels.views import Bodies, Candidates, Cell, Incidence, Inertia, Material, Pairs
 
@@ -87,11 +87,11 @@ def frequency_bound(partnership: str, *, periodic: bool) -> wp.Kernel:
         B = sum phi K, 6x6, phi = 2 where both bodies move.
         """
         body = wp.tid()
-        inverse_mass = inertia.inverse_mass[body]
+        inverse_mass = real(inertia.inverse_mass[body])
         square[body] = real(0.0)
         if inverse_mass == real(0.0):
             return
-        inverse_moment = inertia.inverse_moment[body]
+        inverse_moment = vec3(inertia.inverse_moment[body])
         inverse = wp.transpose(bodies.rotation[body])
         b = mat66()
         first, others, count = pairs_of(incidence, body)
@@ -101,13 +101,14 @@ def frequency_bound(partnership: str, *, periodic: bool) -> wp.Kernel:
             law = materials[pairs.material[pair]]
             i = pairs.owner[pair]
             j = pairs.partner[pair]
-            shift = vec3()
+            away = wide3()
             if (code & 1) == 0:
-                shift = bodies.position[j] - bodies.position[i]
+                away = bodies.position[j] - bodies.position[i]
                 if wp.static(periodic):
-                    shift += cell.edges[0] * real_vector(pairs.image[pair])
+                    away += cell.edges[0] * real_vector(pairs.image[pair])
+            shift = vec3(away)
             phi = real(1.0)
-            if inertia.inverse_mass[i] > real(0.0) and inertia.inverse_mass[j] > real(0.0):
+            if inertia.inverse_mass[i] > wide(0.0) and inertia.inverse_mass[j] > wide(0.0):
                 phi = real(2.0)
             start = pairs.start[pair]
             for slot in range(start, start + pairs.touching[pair]):

@@ -1,7 +1,8 @@
 """Narrow phase: gap, normal and contact point of one feature pair of two sphero-polyhedra.
 
-All positions are about the partner's centre of mass in world axes. The normal points from the
-partner j to the owner i; the contact point is the middle of the overlap, c = x_i - n (R_i + gap/2).
+Positions, those of contact points too, are about the partner's centre of mass in world axes. The
+normal points from the partner j to the owner i; the contact point is the middle of the overlap,
+c = x_i - n (R_i + gap/2).
 """
 
 import functools
@@ -18,14 +19,17 @@ from warpdem.kernels.codes import (
     feature_of_partner,
     kind_of,
 )
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.framing import of_owner, of_partner
+from warpdem.kernels.over_faces import inside_convex, inside_polygon
+from warpdem.kernels.precision import FARTHEST, NARROW, mat33, real, vec3, wide, wide3
 from warpdem.kernels.surfaces import height_above
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
 
-FAR = wp.constant(real(1.0e300))
+FAR = wp.constant(real(FARTHEST))
 # sine squared of the angle under which two edges count as parallel: their vertices carry the load
-PARALLEL = wp.constant(real(1.0e-10))
+# as far as rounding of the edges' ends allows
+PARALLEL = wp.constant(wide(1.0e-8 if NARROW else 1.0e-10))
 
 
 @wp.struct
@@ -104,9 +108,12 @@ def edge_edge(
     touched: bool,
 ) -> Hit:
     """Two edges, both closest points strictly inside; parallel edges are left to their vertices."""
-    u = p1 - p
-    v = q1 - q
-    w = p - q
+    along = p1 - p
+    across = q1 - q
+    # edges that are nearly parallel leave little of these products
+    u = wide3(along)
+    v = wide3(across)
+    w = wide3(p - q)
     uu = wp.dot(u, u)
     vv = wp.dot(v, v)
     uv = wp.dot(u, v)
@@ -117,55 +124,14 @@ def edge_edge(
         return apart()
     s = uv * vw - vv * uw
     t = uu * vw - uv * uw
-    inside = s > real(0.0) and s < area and t > real(0.0) and t < area
+    inside = s > wide(0.0) and s < area and t > wide(0.0) and t < area
     if not inside and not touched:
         return apart()
     outside = wp.where(inside, real(0.0), real(1.0))
-    s = wp.clamp(s / area, real(0.0), real(1.0))
-    t = wp.clamp(t / area, real(0.0), real(1.0))
-    return between(p + u * s, q + v * t, radius_i, radius_j, margin, outside)
-
-
-@inlined()
-def inside_convex(geometry: Geometry, face: int, x: vec3, height: real) -> bool:
-    """Whether x (shape frame) lies over a convex face, or behind it nearer than its neighbours."""
-    for side in range(geometry.side_start[face], geometry.side_start[face + 1]):
-        plane = geometry.side_above[side]
-        if height < real(0.0):
-            plane = geometry.side_below[side]
-        out = plane[0] * x[0] + plane[1] * x[1] + plane[2] * x[2] - plane[3]
-        if out > real(0.0):
-            return False
-        if out == real(0.0):
-            if geometry.side_open[side] != 0:
-                return False
-    return True
-
-
-@inlined()
-def inside_polygon(geometry: Geometry, shape: int, face: int, x: vec3) -> bool:
-    """Even-odd test of the projection of x on a face of any form, with holes; borders half open."""
-    n = geometry.normal[face]
-    # the two axes on which the face has the largest shadow
-    i = int(0)
-    j = int(1)
-    if wp.abs(n[0]) >= wp.abs(n[1]) and wp.abs(n[0]) >= wp.abs(n[2]):
-        i = 1
-        j = 2
-    elif wp.abs(n[1]) >= wp.abs(n[2]):
-        i = 0
-        j = 2
-    foot = x - n * (wp.dot(n, x) - geometry.offset[face])
-    first = geometry.vertex_start[shape]
-    odd = bool(False)
-    for side in range(geometry.side_start[face], geometry.side_start[face + 1]):
-        ends = geometry.side_vertex[side]
-        a = geometry.vertex[first + ends[0]]
-        b = geometry.vertex[first + ends[1]]
-        if (a[j] > foot[j]) != (b[j] > foot[j]):
-            if foot[i] < a[i] + (foot[j] - a[j]) / (b[j] - a[j]) * (b[i] - a[i]):
-                odd = not odd
-    return odd
+    on_owner = real(wp.clamp(s / area, wide(0.0), wide(1.0)))
+    on_partner = real(wp.clamp(t / area, wide(0.0), wide(1.0)))
+    foot = q + across * on_partner
+    return between(p + along * on_owner, foot, radius_i, radius_j, margin, outside)
 
 
 @functools.cache
@@ -178,7 +144,7 @@ def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
         rotation: mat33,
         body: int,
         face: int,
-        p: vec3,
+        p: wide3,
         radius_v: real,
         margin: real,
         touched: bool,
@@ -187,10 +153,15 @@ def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
         shape = geometry.shape[body]
         scale = geometry.scale[body]
         radius_f = geometry.radius[body]
-        x = wp.transpose(rotation) * p / scale
+        at = vec3(p)
+        x = wp.transpose(rotation) * at / scale
         index = geometry.face_start[shape] + face
         normal = geometry.normal[index]
         height = wp.dot(normal, x) - geometry.offset[index]
+        if wp.static(NARROW):
+            # x may be far from the centre of a large body, its height must not be rounded so
+            along = wp.dot(wide3(rotation * normal), p)
+            height = real(along / wide(scale) - wide(geometry.offset[index]))
         side = real(1.0)
         if wp.static(two_sided):
             if geometry.two_sided[shape] != 0 and height < real(0.0):
@@ -214,7 +185,7 @@ def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
         hit.gap = gap
         hit.outside = wp.where(inside, real(0.0), real(1.0))
         hit.normal = rotation * normal * side
-        hit.point = p - hit.normal * (radius_v + real(0.5) * hit.gap)
+        hit.point = at - hit.normal * (radius_v + real(0.5) * hit.gap)
         return hit
 
     return vertex_face
@@ -258,7 +229,7 @@ def feature_pair(
         bodies: Bodies,
         i: int,
         j: int,
-        d: vec3,
+        d: wide3,
         margin: real,
         touched: bool,
         code: wp.int64,
@@ -274,30 +245,30 @@ def feature_pair(
             ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
             others = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
             return edge_edge(
-                d + bodies.arm[arm_i + ends[0]],
-                d + bodies.arm[arm_i + ends[1]],
-                bodies.arm[arm_j + others[0]],
-                bodies.arm[arm_j + others[1]],
+                of_owner(bodies, arm_i + ends[0], d),
+                of_owner(bodies, arm_i + ends[1], d),
+                of_partner(bodies, arm_j + others[0], d),
+                of_partner(bodies, arm_j + others[1], d),
                 radius_i,
                 radius_j,
                 margin,
                 touched,
             )
         if kind == VF:
-            p = d + bodies.arm[arm_i + a]
+            p = d + wide3(bodies.arm[arm_i + a])
             return face(geometry, bodies.rotation[j], j, b, p, radius_i, margin, touched)
         if kind == FV:
-            p = bodies.arm[arm_j + b] - d
+            p = wide3(bodies.arm[arm_j + b]) - d
             hit = face(geometry, bodies.rotation[i], i, a, p, radius_j, margin, touched)
             hit.normal = -hit.normal
-            hit.point = hit.point + d
+            hit.point = hit.point + vec3(d)
             return hit
         if kind == VE:
             ends = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
             return vertex_edge(
-                d + bodies.arm[arm_i + a],
-                bodies.arm[arm_j + ends[0]],
-                bodies.arm[arm_j + ends[1]],
+                of_owner(bodies, arm_i + a, d),
+                of_partner(bodies, arm_j + ends[0], d),
+                of_partner(bodies, arm_j + ends[1], d),
                 real(1.0),
                 radius_i,
                 radius_j,
@@ -307,17 +278,38 @@ def feature_pair(
         if kind == EV:
             ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
             return vertex_edge(
-                bodies.arm[arm_j + b],
-                d + bodies.arm[arm_i + ends[0]],
-                d + bodies.arm[arm_i + ends[1]],
+                of_partner(bodies, arm_j + b, d),
+                of_owner(bodies, arm_i + ends[0], d),
+                of_owner(bodies, arm_i + ends[1], d),
                 real(-1.0),
                 radius_j,
                 radius_i,
                 margin,
                 touched,
             )
-        p = d + bodies.arm[arm_i + a]
-        return between(p, bodies.arm[arm_j + b], radius_i, radius_j, margin, real(0.0))
+        vertex = of_owner(bodies, arm_i + a, d)
+        return between(
+            vertex, of_partner(bodies, arm_j + b, d), radius_i, radius_j, margin, real(0.0)
+        )
+
+    @inlined()
+    def about_partner(
+        geometry: Geometry,
+        bodies: Bodies,
+        i: int,
+        j: int,
+        d: wide3,
+        margin: real,
+        touched: bool,
+        code: wp.int64,
+    ) -> Hit:
+        hit = bare(geometry, bodies, i, j, d, margin, touched, code)
+        kind = kind_of(code)
+        if kind != VF and kind != FV:
+            hit.point = hit.point + vec3(d)
+        return hit
+
+    anywhere = about_partner if NARROW else bare
 
     @inlined()
     def in_cones(geometry: Geometry, bodies: Bodies, i: int, j: int, n: vec3, code: wp.int64):
@@ -342,12 +334,12 @@ def feature_pair(
         bodies: Bodies,
         i: int,
         j: int,
-        d: vec3,
+        d: wide3,
         margin: real,
         touched: bool,
         code: wp.int64,
     ) -> Hit:
-        hit = bare(geometry, bodies, i, j, d, margin, touched, code)
+        hit = anywhere(geometry, bodies, i, j, d, margin, touched, code)
         if hit.outside == real(0.0) and hit.gap < real(0.0):
             if not in_cones(geometry, bodies, i, j, hit.normal, code):
                 hit.outside = real(1.0)
@@ -359,14 +351,14 @@ def feature_pair(
         bodies: Bodies,
         i: int,
         j: int,
-        d: vec3,
+        d: wide3,
         margin: real,
         touched: bool,
         code: wp.int64,
     ) -> Hit:
-        return between(d, vec3(), geometry.radius[i], geometry.radius[j], margin, real(0.0))
+        return between(vec3(d), vec3(), geometry.radius[i], geometry.radius[j], margin, real(0.0))
 
-    polyhedral = coned if cones else bare
+    polyhedral = coned if cones else anywhere
     pair_of = polyhedral if polyhedra else spherical
 
     @inlined()
@@ -375,7 +367,7 @@ def feature_pair(
         bodies: Bodies,
         i: int,
         j: int,
-        d: vec3,
+        d: wide3,
         margin: real,
         touched: bool,
         code: wp.int64,
@@ -384,8 +376,8 @@ def feature_pair(
             return pair_of(geometry, bodies, i, j, d, margin, touched, code)
         p = d
         if wp.static(polyhedra):
-            p = d + bodies.arm[geometry.arm_start[i] + feature_of_owner(code)]
+            p = d + wide3(bodies.arm[geometry.arm_start[i] + feature_of_owner(code)])
         height, normal = height_above(geometry, bodies, j, p)
-        return vertex_surface(height, normal, p, geometry.radius[i])
+        return vertex_surface(height, normal, vec3(p), geometry.radius[i])
 
     return with_surfaces if surfaces else pair_of

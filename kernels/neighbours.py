@@ -6,8 +6,8 @@ Count, scan, fill: nothing is dropped, no atomics, every list sorted, so a run i
 import functools
 
 import warp as wp
-from warpdem.kernels.bounds import bodies_near
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.bounds import bodies_near, widened
+from warpdem.kernels.precision import vec3, wide, wide3
 from warpdem.kernels.surfaces import surface_near
 from warpdem.kernels.variant import inlined, plain, variant
 from warpdem.kernels.views import Bodies, Bonds, Geometry, Incidence, Inertia, Pairs
@@ -21,7 +21,7 @@ def owns(geometry: Geometry, inertia: Inertia, i: int, j: int) -> bool:
     """Whether i owns the pair i j: the lower rank does; two bodies that cannot yield have none."""
     if geometry.rank[i] >= geometry.rank[j]:
         return False
-    return inertia.inverse_mass[i] != real(0.0) or inertia.inverse_mass[j] != real(0.0)
+    return inertia.inverse_mass[i] != wide(0.0) or inertia.inverse_mass[j] != wide(0.0)
 
 
 @wp.func
@@ -91,12 +91,12 @@ def search_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> 
         geometry: Geometry,
         inertia: Inertia,
         grid: wp.uint64,
-        grid_bound: real,
+        grid_bound: wide,
         tree: wp.uint64,
         tree_body: wp.array(dtype=wp.int32),
         surface_body: wp.array(dtype=wp.int32),
-        gap: real,
-        widest: real,
+        gap: wide,
+        widest: wide,
         bodies: Bodies,
         glue: Bonds,
         i: int,
@@ -110,25 +110,23 @@ def search_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> 
         if geometry.large[i] == 0:
             for j in wp.hash_grid_query(grid, x, grown + grid_bound):
                 if geometry.large[j] == 0 and owns(geometry, inertia, i, j):
-                    d = x - bodies.position[j]
-                    if bodies_near(geometry, bodies, i, j, d, own + bodies.reach[j]) and apart(
-                        glue, i, j
-                    ):
+                    d = vec3(x - bodies.position[j])
+                    skin = widened(geometry, i, j, d, own + bodies.reach[j])
+                    if bodies_near(geometry, bodies, i, j, d, skin) and apart(glue, i, j):
                         n = put(partner, first, n, j)
         if wp.static(large):
             # the tree holds single precision: one part in 1e6 outward
-            slack = real(1.0e-6) * (wp.length(x) + grown)
-            low = x - vec3(grown + slack)
-            high = x + vec3(grown + slack)
+            slack = wide(1.0e-6) * (wp.length(x) + grown)
+            low = x - wide3(grown + slack)
+            high = x + wide3(grown + slack)
             query = wp.bvh_query_aabb(tree, wp.vec3(low), wp.vec3(high))
             item = int(0)
             while wp.bvh_query_next(query, item):
                 j = tree_body[item]
                 if j != i and owns(geometry, inertia, i, j):
-                    d = x - bodies.position[j]
-                    if bodies_near(geometry, bodies, i, j, d, own + bodies.reach[j]) and apart(
-                        glue, i, j
-                    ):
+                    d = vec3(x - bodies.position[j])
+                    skin = widened(geometry, i, j, d, own + bodies.reach[j])
+                    if bodies_near(geometry, bodies, i, j, d, skin) and apart(glue, i, j):
                         n = put(partner, first, n, j)
         if wp.static(surfaces):
             for k in range(surface_body.shape[0]):
@@ -156,13 +154,13 @@ def find_partners(*, fill: bool, large: bool, surfaces: bool, bonds: bool) -> wp
         geometry: Geometry,
         inertia: Inertia,
         grid: wp.uint64,
-        grid_bound: real,
+        grid_bound: wide,
         tree: wp.uint64,
         tree_body: wp.array(dtype=wp.int32),
         surface_body: wp.array(dtype=wp.int32),
         # in
-        gap: real,
-        widest: real,
+        gap: wide,
+        widest: wide,
         bodies: Bodies,
         glue: Bonds,
         # in and out
@@ -226,9 +224,9 @@ def set_reach(
     geometry: Geometry,
     inertia: Inertia,
     # in
-    ahead: real,
-    least: real,
-    most: real,
+    ahead: wide,
+    least: wide,
+    most: wide,
     turns: int,
     # in and out
     bodies: Bodies,
@@ -239,9 +237,9 @@ def set_reach(
     more in every step than they save. ``turns`` 0: turning moves nothing of free bodies.
     """
     body = wp.tid()
-    free = inertia.inverse_mass[body] > real(0.0)
+    free = inertia.inverse_mass[body] > wide(0.0)
     if not free and inertia.driven[body] == 0:
-        bodies.reach[body] = real(0.0)
+        bodies.reach[body] = wide(0.0)
         return
     pace = wp.length(bodies.velocity[body])
     if turns != 0 or not free:

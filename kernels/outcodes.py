@@ -9,7 +9,7 @@ a tree.
 
 import warp as wp
 from warpdem.kernels.bounds import in_box
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import NARROW, real, vec3
 from warpdem.kernels.surfaces import is_surface
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
@@ -18,7 +18,7 @@ NONE = wp.constant(wp.uint64(0))
 ONE = wp.constant(wp.uint64(1))
 SET_LIMIT = 64
 # edges a hair farther out are kept: their distances are rounded in another way than outcodes
-WIDER = wp.constant(1.0 + 1.0e-9)
+WIDER = wp.constant(1.0 + (1.0e-5 if NARROW else 1.0e-9))
 
 
 @wp.func_native("""

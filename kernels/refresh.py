@@ -11,15 +11,15 @@ import warp as wp
 from warpdem.kernels.cell import real_vector
 from warpdem.kernels.clearance import clearance
 from warpdem.kernels.narrow import FAR
-from warpdem.kernels.precision import real
+from warpdem.kernels.precision import ROUNDING, vec3, wide
 from warpdem.kernels.variant import inlined, place, variant
 from warpdem.kernels.views import Bodies, Candidates, Cell, Clock, Geometry, Pairs
 
-ROUNDING = wp.constant(real(1.0e-12))
+SLACK = wp.constant(wide(ROUNDING))
 
 
 @inlined()
-def pace(geometry: Geometry, bodies: Bodies, body: int) -> real:
+def pace(geometry: Geometry, bodies: Bodies, body: int) -> wide:
     """Speed of a body's farthest point [m/s]."""
     spinning = wp.length(bodies.spin[body])
     return wp.length(bodies.velocity[body]) + geometry.bound[body] * spinning
@@ -35,9 +35,9 @@ def refresh(*, surfaces: bool, periodic: bool) -> wp.Kernel:
         # model
         geometry: Geometry,
         # in
-        reach: real,
-        margin: real,
-        ahead: real,
+        reach: wide,
+        margin: wide,
+        ahead: wide,
         span: wp.array(dtype=wp.int32),
         bodies: Bodies,
         clock: Clock,
@@ -57,19 +57,21 @@ def refresh(*, surfaces: bool, periodic: bool) -> wp.Kernel:
         d = bodies.position[i] - bodies.position[j]
         if wp.static(periodic):
             d -= cell.edges[0] * real_vector(pairs.image[pair])
+        branch = vec3(d)
         soon = ahead * (pace(geometry, bodies, i) + pace(geometry, bodies, j))
         limit = path + wp.max(margin, soon)
         # what attracts, and rounding
-        slack = reach + ROUNDING * (geometry.bound[i] + geometry.bound[j])
-        cold = FAR
+        slack = reach + SLACK * (geometry.bound[i] + geometry.bound[j])
+        cold = wide(FAR)
         start = pairs.start[pair]
         end = start
         for c in range(start, pairs.start[pair + 1]):
             clear = candidates.clear[c]
             if clear <= limit:
-                clear = path + clear_of(geometry, bodies, i, j, d, candidates.code[c]) - slack
+                code = candidates.code[c]
+                clear = path + wide(clear_of(geometry, bodies, i, j, branch, code)) - slack
                 candidates.clear[c] = clear
-            if clear <= limit or candidates.past[c][3] != real(-1.0):
+            if clear <= limit or candidates.past[c][3] != wide(-1.0):
                 candidates.hot[end] = c
                 end += 1
             else:

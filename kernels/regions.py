@@ -6,9 +6,12 @@ to the other solid is a continuous function with a continuous gradient. The comp
 of the feature pairs themselves, bit by bit: where one region ends the next begins.
 """
 
+import functools
+
 import warp as wp
 from warpdem.kernels.codes import EV, VE, VV, feature_of_owner, feature_of_partner, kind_of
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.framing import of_owner, of_partner
+from warpdem.kernels.precision import mat33, real, vec3, wide3
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
 
@@ -22,10 +25,10 @@ def beyond(geometry: Geometry, side: int, x: vec3) -> bool:
 
 
 @inlined()
-def over_edge(geometry: Geometry, rotation: mat33, body: int, edge: int, p: vec3) -> bool:
+def over_edge(geometry: Geometry, rotation: mat33, body: int, edge: int, p: wide3) -> bool:
     """Whether a point, about the body's centre, lies beyond the faces beside an edge."""
     shape = geometry.shape[body]
-    x = wp.transpose(rotation) * p / geometry.scale[body]
+    x = wp.transpose(rotation) * vec3(p) / geometry.scale[body]
     sides = geometry.edge_sides[geometry.edge_start[shape] + edge]
     for k in range(2):
         if sides[k] >= 0:
@@ -34,33 +37,45 @@ def over_edge(geometry: Geometry, rotation: mat33, body: int, edge: int, p: vec3
     return True
 
 
-@inlined()
-def over_vertex(
-    geometry: Geometry, bodies: Bodies, body: int, vertex: int, shift: vec3, p: vec3
-) -> bool:
-    """Whether a point lies beyond the ends of all edges at a vertex of a body at ``shift``.
+@functools.cache
+def over_vertex(*, owners: bool) -> wp.Function:
+    """Function of whether a point lies beyond the ends of all edges at a vertex of a body.
 
     And over none of the faces there: right over a corner it lies on the borders of all.
+    ``owners``: the vertex is of the owner.
     """
-    shape = geometry.shape[body]
-    arms = geometry.arm_start[body]
-    index = geometry.vertex_start[shape] + vertex
-    for k in range(geometry.spoke_start[index], geometry.spoke_start[index + 1]):
-        ends = geometry.edge[geometry.edge_start[shape] + geometry.spoke[k]]
-        a = shift + bodies.arm[arms + ends[0]]
-        e = shift + bodies.arm[arms + ends[1]] - a
-        r = wp.dot(p - a, e)
-        if ends[0] == vertex:
-            if r > real(0.0):
+    place_of = of_owner if owners else of_partner
+
+    @inlined()
+    def over_vertex(
+        geometry: Geometry, bodies: Bodies, body: int, vertex: int, d: wide3, q: vec3, p: wide3
+    ) -> bool:
+        """``q`` is the point in the frame of framing.py, ``p`` the same about the body's centre."""
+        shape = geometry.shape[body]
+        arms = geometry.arm_start[body]
+        index = geometry.vertex_start[shape] + vertex
+        for k in range(geometry.spoke_start[index], geometry.spoke_start[index + 1]):
+            ends = geometry.edge[geometry.edge_start[shape] + geometry.spoke[k]]
+            a = place_of(bodies, arms + ends[0], d)
+            e = place_of(bodies, arms + ends[1], d) - a
+            r = wp.dot(q - a, e)
+            if ends[0] == vertex:
+                if r > real(0.0):
+                    return False
+            elif r < wp.dot(e, e):
                 return False
-        elif r < wp.dot(e, e):
-            return False
-    x = wp.transpose(bodies.rotation[body]) * (p - shift) / geometry.scale[body]
-    for k in range(geometry.corner_start[index], geometry.corner_start[index + 1]):
-        sides = geometry.corner[k]
-        if not beyond(geometry, sides[0], x) and not beyond(geometry, sides[1], x):
-            return False
-    return True
+        x = wp.transpose(bodies.rotation[body]) * vec3(p) / geometry.scale[body]
+        for k in range(geometry.corner_start[index], geometry.corner_start[index + 1]):
+            sides = geometry.corner[k]
+            if not beyond(geometry, sides[0], x) and not beyond(geometry, sides[1], x):
+                return False
+        return True
+
+    return over_vertex
+
+
+over_owners = over_vertex(owners=True)
+over_partners = over_vertex(owners=False)
 
 
 @inlined()
@@ -72,22 +87,24 @@ def is_corner(geometry: Geometry, body: int, vertex: int) -> bool:
 
 @inlined()
 def vertex_count(
-    geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, a: int, b: int
+    geometry: Geometry, bodies: Bodies, i: int, j: int, d: wide3, a: int, b: int
 ) -> real:
     """How often two vertices count: for each of them that is nearest to the other one.
 
     A vertex without edges has no region of its own: it counts for itself.
     """
-    p = d + bodies.arm[geometry.arm_start[i] + a]
-    q = bodies.arm[geometry.arm_start[j] + b]
+    own = geometry.arm_start[i] + a
+    other = geometry.arm_start[j] + b
+    p = of_owner(bodies, own, d)
+    q = of_partner(bodies, other, d)
     corner_i = is_corner(geometry, i, a)
     corner_j = is_corner(geometry, j, b)
     count = real(0.0)
     if corner_j:
-        if over_vertex(geometry, bodies, j, b, vec3(), p):
+        if over_partners(geometry, bodies, j, b, d, p, d + wide3(bodies.arm[own])):
             count += real(1.0)
     if corner_i:
-        if over_vertex(geometry, bodies, i, a, d, q):
+        if over_owners(geometry, bodies, i, a, d, q, wide3(bodies.arm[other]) - d):
             count += real(1.0)
     if not corner_i and not corner_j:
         count = real(1.0)
@@ -96,17 +113,17 @@ def vertex_count(
 
 @inlined()
 def is_nearest(
-    geometry: Geometry, bodies: Bodies, i: int, j: int, d: vec3, code: wp.int64
+    geometry: Geometry, bodies: Bodies, i: int, j: int, d: wide3, code: wp.int64
 ) -> bool:
     """Whether a vertex has no nearer feature of a convex solid than that of a feature pair."""
     kind = kind_of(code)
     a = feature_of_owner(code)
     b = feature_of_partner(code)
     if kind == VE:
-        p = d + bodies.arm[geometry.arm_start[i] + a]
+        p = d + wide3(bodies.arm[geometry.arm_start[i] + a])
         return over_edge(geometry, bodies.rotation[j], j, b, p)
     if kind == EV:
-        p = bodies.arm[geometry.arm_start[j] + b] - d
+        p = wide3(bodies.arm[geometry.arm_start[j] + b]) - d
         return over_edge(geometry, bodies.rotation[i], i, a, p)
     if kind == VV:
         return vertex_count(geometry, bodies, i, j, d, a, b) > real(0.0)

@@ -11,7 +11,7 @@ from warpdem.kernels.kinematics import Flow, kinematics
 from warpdem.kernels.laws import AVALANCHE, CUSTOM, Laws
 from warpdem.kernels.narrow import feature_pair
 from warpdem.kernels.neighbours import lower_bound
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.precision import real, vec3, wide, wide3, wide4
 from warpdem.kernels.sharing import SHARES, total_of
 from warpdem.kernels.tangential import radial_return
 from warpdem.kernels.variant import inlined, variant
@@ -43,20 +43,20 @@ def listed_pair(*, periodic: bool) -> wp.Function:
 
 
 @inlined()
-def remembered(bonds: Bonds, k: int, code: wp.int64, damping: bool, mu: real) -> vec4:
+def remembered(bonds: Bonds, k: int, code: wp.int64, damping: bool, mu: wide) -> wide4:
     """Tangential force under mu |fn| and fn of the bond of a feature pair; -1 without one.
 
     The bond must have been closed in its last step.
     """
     for bond in range(bonds.start[k], bonds.start[k + 1]):
-        if bonds.code[bond] == code and bonds.gap[bond] < real(0.0):
+        if bonds.code[bond] == code and bonds.gap[bond] < wide(0.0):
             held = bonds.held[bond]
-            ft = vec3(held[0], held[1], held[2])
+            ft = wide3(held[0], held[1], held[2])
             if damping:
                 ft += bonds.viscous[bond]
             ft = radial_return(ft, mu * wp.abs(held[3]))
-            return vec4(ft[0], ft[1], ft[2], wp.max(held[3], real(0.0)))
-    return vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+            return wide4(ft[0], ft[1], ft[2], wp.max(held[3], wide(0.0)))
+    return wide4(wide(0.0), wide(0.0), wide(0.0), wide(-1.0))
 
 
 @functools.cache
@@ -94,7 +94,7 @@ def pack(laws: Laws) -> wp.Function:
         for c in range(start, end):
             hit = gap_of(geometry, bodies, i, j, d, reach, False, candidates.code[c])
             if hit.gap < reach and hit.outside == real(0.0):
-                motion = motion_at(bodies, Flow(), i, j, d, hit.normal, hit.point, dt)
+                motion = motion_at(bodies, Flow(), i, j, vec3(d), hit.normal, hit.point, dt)
                 gap = hit.gap + real(0.5) * dt * motion.approach
                 if hit.gap < real(0.0):
                     gap = wp.min(gap, real(0.0))
@@ -134,7 +134,7 @@ def take_over(laws: Laws, *, damping: bool) -> wp.Function:
         c: int,
         gap: real,
         total: real,
-    ) -> real:
+    ) -> wide:
         code = candidates.code[c]
         share = real(1.0)
         if wp.static(shares):
@@ -147,18 +147,18 @@ def take_over(laws: Laws, *, damping: bool) -> wp.Function:
         if wp.static(len(laws.custom) > 0):
             if law.kind >= CUSTOM:
                 stiffness = real(0.0)
-        taken = real(0.5) * stiffness * gap * gap
+        taken = wide(real(0.5) * stiffness * gap * gap)
         if wp.static(laws.cohesion):
             radius = curvature_radius(kind_of(code), geometry.radius[i], geometry.radius[j])
             _pull, energy = pull_of(law, gap, radius, real(1.0))
-            taken += energy
-        past = remembered(bonds, k, code, wp.static(damping), law.mu)
-        if past[3] >= real(0.0) and gap < real(0.0):
-            past *= share
+            taken += wide(energy)
+        past = remembered(bonds, k, code, wp.static(damping), wide(law.mu))
+        if past[3] >= wide(0.0) and gap < real(0.0):
+            past *= wide(share)
             candidates.past[c] = past
             if law.kt > real(0.0):
-                ft = vec3(past[0], past[1], past[2])
-                taken += wp.dot(ft, ft) / (real(2.0) * share * law.kt)
+                ft = wide3(past[0], past[1], past[2])
+                taken += wp.dot(ft, ft) / wide(real(2.0) * share * law.kt)
         return taken
 
     return take_over
@@ -183,7 +183,7 @@ def release(laws: Laws, *, damping: bool) -> wp.Kernel:
         geometry: Geometry,
         materials: wp.array(dtype=Material),
         # in
-        dt: real,
+        dt: wide,
         step: int,
         ends: wp.array(dtype=wp.int32),
         bodies: Bodies,
@@ -198,15 +198,15 @@ def release(laws: Laws, *, damping: bool) -> wp.Kernel:
         energy = bonds.energy[k]
         i = bonds.owner[k]
         j = bonds.partner[k]
-        left = energy[0] + real(0.5) * dt * energy[1]
-        lost = energy[2] + real(0.5) * dt * bonds.power[k]
-        taken = real(0.0)
+        left = energy[0] + wide(0.5) * dt * energy[1]
+        lost = energy[2] + wide(0.5) * dt * bonds.power[k]
+        taken = wide(0.0)
         pair = pair_of(pairs, ends, i, j)
         if pair >= 0:
             law = materials[pairs.material[pair]]
             start = pairs.start[pair]
             end = pairs.start[pair + 1]
-            count = pack_pair(geometry, bodies, candidates, law, i, j, start, end, dt)
+            count = pack_pair(geometry, bodies, candidates, law, i, j, start, end, real(dt))
             total = real(1.0)
             if wp.static(shares):
                 total = total_shares(candidates, start, count, law.exponent)
@@ -214,15 +214,15 @@ def release(laws: Laws, *, damping: bool) -> wp.Kernel:
                 gap = candidates.gap[slot]
                 if gap > real(0.0):
                     if wp.static(laws.reaching):
-                        taken += at_distance_energy(law.fc, gap, law.dncut)
+                        taken += wide(at_distance_energy(law.fc, gap, law.dncut))
                 else:
                     c = candidates.which[slot]
                     taken += take(geometry, candidates, bonds, law, i, j, k, c, gap, total)
-        bonds.energy[k] = vec4(real(0.0), real(0.0), lost, left - taken)
+        bonds.energy[k] = wide4(wide(0.0), wide(0.0), lost, left - taken)
         bonds.step[k] = step
-        bonds.force[k] = vec3()
-        bonds.torque[k] = vec3()
-        bonds.torque_partner[k] = vec3()
+        bonds.force[k] = wide3()
+        bonds.torque[k] = wide3()
+        bonds.torque_partner[k] = wide3()
         bonds.state[k] = BROKEN
 
     return release

@@ -1,39 +1,39 @@
 """Rotations: quaternions (x, y, z, w in memory) and the free drift of a body."""
 
 import warp as wp
-from warpdem.kernels.precision import quat, real, vec3
+from warpdem.kernels.precision import quat, wide, wide3
 
 
 @wp.func
-def turned(q: quat, axis: int, angle: real) -> quat:
+def turned(q: quat, axis: int, angle: wide) -> quat:
     """``q`` after a turn by ``angle`` [rad] about one of its own axes."""
-    s = wp.sin(real(0.5) * angle)
-    turn = quat(real(0.0), real(0.0), real(0.0), wp.cos(real(0.5) * angle))
+    s = wp.sin(wide(0.5) * angle)
+    turn = quat(wide(0.0), wide(0.0), wide(0.0), wp.cos(wide(0.5) * angle))
     turn[axis] = s
     return q * turn
 
 
 @wp.func
-def about(v: vec3, axis: int, angle: real) -> vec3:
+def about(v: wide3, axis: int, angle: wide) -> wide3:
     """``v`` seen from a frame turned by ``angle`` [rad] about one of its axes."""
     i = (axis + 1) % 3
     j = (axis + 2) % 3
     c = wp.cos(angle)
     s = wp.sin(angle)
-    turned = vec3(v)
+    turned = wide3(v)
     turned[i] = c * v[i] + s * v[j]
     turned[j] = c * v[j] - s * v[i]
     return turned
 
 
 @wp.func
-def no_squish(q: quat, momentum: vec3, moment: vec3, dt: real) -> quat:
+def no_squish(q: quat, momentum: wide3, moment: wide3, dt: wide) -> quat:
     """Free rotation over ``dt`` at constant world angular momentum, second order, symplectic.
 
     Five turns about the principal axes 3 2 1 2 3; Dullweber, Leimkuhler & McLachlan (1997),
     doi:10.1063/1.474310.
     """
-    half = real(0.5) * dt
+    half = wide(0.5) * dt
     body = wp.quat_rotate_inv(q, momentum)
     a = half * body[2] / moment[2]
     q = turned(q, 2, a)
@@ -53,35 +53,35 @@ def no_squish(q: quat, momentum: vec3, moment: vec3, dt: real) -> quat:
 
 
 @wp.func
-def exponential(q: quat, spin: vec3, dt: real) -> quat:
+def exponential(q: quat, spin: wide3, dt: wide) -> quat:
     """``q`` after a constant world ``spin`` [rad/s] over ``dt``."""
     speed = wp.length(spin)
-    if speed == real(0.0):
+    if speed == wide(0.0):
         return q
     return wp.normalize(wp.quat_from_axis_angle(spin / speed, speed * dt) * q)
 
 
 @wp.func
-def free_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
+def free_drift(q: quat, momentum: wide3, torque: wide3, moment: wide3, dt: wide):
     """Half kick and drift at constant momentum: orientation and angular momentum [kg m^2/s].
 
     One exponential for spherical inertia, NO_SQUISH otherwise.
     """
-    kicked = momentum + torque * (real(0.5) * dt)
+    kicked = momentum + torque * (wide(0.5) * dt)
     if moment[0] == moment[1] and moment[1] == moment[2]:
         return exponential(q, kicked / moment[0], dt), kicked
     return no_squish(q, kicked, moment, dt), kicked
 
 
 @wp.func
-def spherical_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
+def spherical_drift(q: quat, momentum: wide3, torque: wide3, moment: wide3, dt: wide):
     """``free_drift`` of a scene in which every body has spherical inertia."""
-    kicked = momentum + torque * (real(0.5) * dt)
+    kicked = momentum + torque * (wide(0.5) * dt)
     return exponential(q, kicked / moment[0], dt), kicked
 
 
 @wp.func
-def taylor_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
+def taylor_drift(q: quat, momentum: wide3, torque: wide3, moment: wide3, dt: wide):
     """Rockable's half kick and drift, first order in time, for comparison only.
 
     q + dt q' + dt^2/2 q'' from the state before the kick, with the sign of the scalar part of q''
@@ -89,32 +89,32 @@ def taylor_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
     """
     w = inverse_inertia(q, moment, momentum)
     a = inverse_inertia(q, moment, torque)
-    v = vec3(q[0], q[1], q[2])
+    v = wide3(q[0], q[1], q[2])
     s = q[3]
-    dv = real(0.5) * (wp.cross(w, v) + w * s)
-    ds = real(-0.5) * wp.dot(w, v)
+    dv = wide(0.5) * (wp.cross(w, v) + w * s)
+    ds = wide(-0.5) * wp.dot(w, v)
     v = v + dv * dt
     s = s + ds * dt
     ww = wp.dot(w, w)
-    ddv = real(0.5) * (a * s + wp.cross(a, v)) - real(0.25) * ww * v
-    dds = real(-0.5) * wp.dot(a, v) + real(0.25) * ww * s
-    h = real(0.5) * dt * dt
+    ddv = wide(0.5) * (a * s + wp.cross(a, v)) - wide(0.25) * ww * v
+    dds = wide(-0.5) * wp.dot(a, v) + wide(0.25) * ww * s
+    h = wide(0.5) * dt * dt
     v = v + ddv * h
     s = s + dds * h
     turned = wp.normalize(quat(v[0], v[1], v[2], s))
-    return turned, inertia(turned, moment, w + a * (real(0.5) * dt))
+    return turned, inertia(turned, moment, w + a * (wide(0.5) * dt))
 
 
 @wp.func
-def euler_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
+def euler_drift(q: quat, momentum: wide3, torque: wide3, moment: wide3, dt: wide):
     """exaDEM's drift and half kick, first order in time, for comparison only.
 
     q + dt/2 w q from the spin before the kick; ``torque`` is I w', see ``taylor_torque``.
     """
     w = inverse_inertia(q, moment, momentum)
     a = inverse_inertia(q, moment, torque)
-    v = vec3(q[0], q[1], q[2])
-    half = real(0.5) * dt
+    v = wide3(q[0], q[1], q[2])
+    half = wide(0.5) * dt
     dv = (wp.cross(w, v) + w * q[3]) * half
     ds = -wp.dot(w, v) * half
     turned = wp.normalize(quat(v[0] + dv[0], v[1] + dv[1], v[2] + dv[2], q[3] + ds))
@@ -122,31 +122,31 @@ def euler_drift(q: quat, momentum: vec3, torque: vec3, moment: vec3, dt: real):
 
 
 @wp.func
-def free_torque(torque: vec3, spin: vec3, momentum: vec3) -> vec3:
+def free_torque(torque: wide3, spin: wide3, momentum: wide3) -> wide3:
     """Torque of the kick on world angular momentum: the torque itself [N m]."""
     return torque
 
 
 @wp.func
-def taylor_torque(torque: vec3, spin: vec3, momentum: vec3) -> vec3:
+def taylor_torque(torque: wide3, spin: wide3, momentum: wide3) -> wide3:
     """I w' with the gyroscopic term at the half-step spin, as Rockable has it [N m]."""
     return torque - wp.cross(spin, momentum)
 
 
 @wp.func
-def inertia(q: quat, moment: vec3, spin: vec3) -> vec3:
+def inertia(q: quat, moment: wide3, spin: wide3) -> wide3:
     """World I w [kg m^2/s]."""
     return wp.quat_rotate(q, wp.cw_mul(wp.quat_rotate_inv(q, spin), moment))
 
 
 @wp.func
-def inverse_inertia(q: quat, moment: vec3, momentum: vec3) -> vec3:
+def inverse_inertia(q: quat, moment: wide3, momentum: wide3) -> wide3:
     """World I^-1 L [rad/s]."""
     return wp.quat_rotate(q, wp.cw_div(wp.quat_rotate_inv(q, momentum), moment))
 
 
 @wp.func
-def arc(q: quat, p: quat) -> real:
+def arc(q: quat, p: quat) -> wide:
     """Chord between two orientations on the unit sphere: 2 sin(angle / 2)."""
     d = q * wp.quat_inverse(p)
-    return real(2.0) * wp.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])
+    return wide(2.0) * wp.sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2])

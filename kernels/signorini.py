@@ -11,23 +11,23 @@ Leine et al. (2014), doi:10.1007/s11044-013-9393-4; Anderson (1965), doi:10.1145
 
 import warp as wp
 from warpdem.kernels.fall_views import Contact, Iterates
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import wide, wide3, wide33
 from warpdem.kernels.variant import inlined
 
 # sweeps between two renewals of frozen friction bounds
 RENEWAL = wp.constant(15)
 # growth of the residual at which the acceleration forgets what it knew
-ASTRAY = wp.constant(real(10.0))
+ASTRAY = wp.constant(wide(10.0))
 # squared sine between two differences below which the older one tells nothing new
-PARALLEL = wp.constant(real(1.0e-8))
+PARALLEL = wp.constant(wide(1.0e-8))
 
 
 @wp.struct
 class Twist:
     """Velocity of the centre of mass and spin, along the world's axes."""
 
-    velocity: vec3
-    spin: vec3
+    velocity: wide3
+    spin: wide3
 
 
 @wp.struct
@@ -36,7 +36,7 @@ class Solved:
 
     twist: Twist
     sweeps: int
-    residual: real  # largest change of a contact velocity in the last sweep [m/s]
+    residual: wide  # largest change of a contact velocity in the last sweep [m/s]
     frozen: int
     converged: int
 
@@ -45,13 +45,13 @@ class Solved:
 class Body:
     """What percussions act on."""
 
-    inverse_mass: real
-    inverse_inertia: mat33  # along the world's axes, of the implicit gyroscopic term; unsymmetric
-    cofactor: mat33  # of the inverse of inertia without that term
+    inverse_mass: wide
+    inverse_inertia: wide33  # along the world's axes, of the implicit gyroscopic term; unsymmetric
+    cofactor: wide33  # of the inverse of inertia without that term
 
 
 @wp.func
-def struck(twist: Twist, body: Body, arm: vec3, percussion: vec3) -> Twist:
+def struck(twist: Twist, body: Body, arm: wide3, percussion: wide3) -> Twist:
     """The twist after a percussion at ``arm`` from the centre of mass."""
     after = Twist()
     after.velocity = twist.velocity + body.inverse_mass * percussion
@@ -60,13 +60,13 @@ def struck(twist: Twist, body: Body, arm: vec3, percussion: vec3) -> Twist:
 
 
 @wp.func
-def velocity_at(twist: Twist, arm: vec3) -> vec3:
+def velocity_at(twist: Twist, arm: wide3) -> wide3:
     """Velocity of the rock's point at ``arm``."""
     return twist.velocity + wp.cross(twist.spin, arm)
 
 
 @wp.func
-def capped(tangential: vec3, most: real) -> vec3:
+def capped(tangential: wide3, most: wide) -> wide3:
     """Projection onto the disc of radius ``most``."""
     length = wp.length(tangential)
     cut = tangential
@@ -76,10 +76,10 @@ def capped(tangential: vec3, most: real) -> vec3:
 
 
 @wp.func
-def projected(percussion: vec3, normal: vec3, friction: real) -> vec3:
+def projected(percussion: wide3, normal: wide3, friction: wide) -> wide3:
     """Normal part into R+, then the tangential one onto the disc of radius mu P_N."""
     along = wp.dot(percussion, normal)
-    pressed = wp.max(real(0.0), along)
+    pressed = wp.max(wide(0.0), along)
     return pressed * normal + capped(percussion - along * normal, friction * pressed)
 
 
@@ -96,14 +96,14 @@ def prepared(contact: Contact, body: Body) -> Contact:
     ready.turn = body.inverse_inertia @ wp.skew(arm)
     ready.push = body.inverse_mass * n + wp.cross(ready.turn @ n, arm)
     ready.normal_yield = wp.dot(n, ready.push)
-    ready.normal_relief = real(1.0) / ready.normal_yield
+    ready.normal_relief = wide(1.0) / ready.normal_yield
     trace = wp.length_sq(arm) * wp.trace(body.inverse_inertia)
     trace -= wp.dot(arm, body.inverse_inertia @ arm) + ready.normal_yield - body.inverse_mass
     along = wp.dot(arm, n)
     determinant = wp.dot(arm, body.cofactor @ arm) * along * along
-    spread = wp.sqrt(wp.max(real(0.0), trace * trace - real(4.0) * determinant))
-    ready.tangent_yield = body.inverse_mass + real(0.5) * (trace + spread)
-    ready.tangent_relief = real(1.0) / ready.tangent_yield
+    spread = wp.sqrt(wp.max(wide(0.0), trace * trace - wide(4.0) * determinant))
+    ready.tangent_yield = body.inverse_mass + wide(0.5) * (trace + spread)
+    ready.tangent_relief = wide(1.0) / ready.tangent_yield
     ready.percussion = projected(contact.percussion, n, contact.friction)
     return ready
 
@@ -119,7 +119,7 @@ def sweep(
 ) -> Solved:
     """One pass of Gauss-Seidel over the contacts, normal part first."""
     twist = solved.twist
-    residual = real(0.0)
+    residual = wide(0.0)
     for c in range(count):
         arm = contacts[slot, c].arm
         n = contacts[slot, c].normal
@@ -129,7 +129,7 @@ def sweep(
         seen = velocity_at(twist, arm)
         along = wp.dot(seen, n)
         pull = contacts[slot, c].normal_relief * (along + contacts[slot, c].bias)
-        change = wp.max(real(0.0), pressed - pull) - pressed
+        change = wp.max(wide(0.0), pressed - pull) - pressed
         gained = contacts[slot, c].normal_yield * change
         pressed += change
         slide = seen + change * contacts[slot, c].push - (along + gained) * n
@@ -152,11 +152,11 @@ def sweep(
 
 
 @inlined()
-def freeze(contacts: wp.array(dtype=Contact, ndim=2), slot: int, count: int, share: real):
+def freeze(contacts: wp.array(dtype=Contact, ndim=2), slot: int, count: int, share: wide):
     """Move the frozen friction bounds by ``share`` of the way to mu P_N."""
     for c in range(count):
         n = contacts[slot, c].normal
-        pressed = wp.max(real(0.0), wp.dot(contacts[slot, c].percussion, n))
+        pressed = wp.max(wide(0.0), wp.dot(contacts[slot, c].percussion, n))
         bound = contacts[slot, c].friction * pressed
         limit = contacts[slot, c].limit
         contacts[slot, c].limit = limit + share * (bound - limit)
@@ -171,11 +171,11 @@ def remember(
     known: int,
 ) -> wp.vec2d:
     """Take in a sweep's result; weights of the last two differences that minimise the change."""
-    s11 = real(0.0)
-    s12 = real(0.0)
-    s22 = real(0.0)
-    b1 = real(0.0)
-    b2 = real(0.0)
+    s11 = wide(0.0)
+    s12 = wide(0.0)
+    s22 = wide(0.0)
+    b1 = wide(0.0)
+    b2 = wide(0.0)
     for c in range(count):
         p = contacts[slot, c].percussion
         change = p - iterates[slot, c].before
@@ -195,12 +195,12 @@ def remember(
                 b2 += wp.dot(older, change)
         iterates[slot, c].last = p
         iterates[slot, c].change = change
-    weights = wp.vec2d(real(0.0), real(0.0))
+    weights = wp.vec2d(wide(0.0), wide(0.0))
     determinant = s11 * s22 - s12 * s12
     if known > 1 and determinant > PARALLEL * s11 * s22:
         weights = wp.vec2d(s22 * b1 - s12 * b2, s11 * b2 - s12 * b1) / determinant
-    elif known > 0 and s11 > real(0.0):
-        weights = wp.vec2d(b1 / s11, real(0.0))
+    elif known > 0 and s11 > wide(0.0):
+        weights = wp.vec2d(b1 / s11, wide(0.0))
     return weights
 
 
@@ -219,7 +219,7 @@ def extrapolate(
     for c in range(count):
         p = contacts[slot, c].percussion
         wanted = p - weights[0] * iterates[slot, c].step1
-        if weights[1] != real(0.0):
+        if weights[1] != wide(0.0):
             wanted -= weights[1] * iterates[slot, c].step2
         kept = projected(wanted, contacts[slot, c].normal, contacts[slot, c].friction)
         after = struck(after, body, contacts[slot, c].arm, kept - p)
@@ -235,7 +235,7 @@ def solve(
     count: int,
     body: Body,
     twist: Twist,
-    tolerance: real,
+    tolerance: wide,
     most: int,
     accelerate_from: int,
 ) -> Solved:
@@ -245,7 +245,7 @@ def solve(
     """
     solved = Solved()
     solved.twist = twist
-    best = real(wp.inf)
+    best = wide(wp.inf)
     known = int(0)
     running = int(1)
     while running == 1:
@@ -262,16 +262,16 @@ def solve(
             running = 0
         elif solved.frozen == 0 and solved.sweeps >= most:
             solved.frozen = 1
-            freeze(contacts, slot, count, real(1.0))
+            freeze(contacts, slot, count, wide(1.0))
         elif solved.frozen == 1 and solved.sweeps % RENEWAL == 0:
-            freeze(contacts, slot, count, real(0.5))
+            freeze(contacts, slot, count, wide(0.5))
         if accelerate == 1 and running == 1 and solved.frozen == 0:
             if solved.residual > ASTRAY * best:
                 known = 0
             best = wp.min(best, solved.residual)
             weights = remember(contacts, iterates, slot, count, known)
             known = wp.min(known + 1, 2)
-            if weights[0] != real(0.0) or weights[1] != real(0.0):
+            if weights[0] != wide(0.0) or weights[1] != wide(0.0):
                 solved.twist = extrapolate(
                     contacts, iterates, slot, count, body, weights, solved.twist
                 )
@@ -286,23 +286,23 @@ def passive_share(
     start: Twist,
     free: Twist,
     end: Twist,
-) -> real:
+) -> wide:
     """Largest share a <= 1 of all percussions that adds no energy; the cones allow any.
 
     Their work is a S1 / 2 + a^2 S2 / 2, S1 = sum P.(gamma_start + gamma_free), S2 = sum
     P.(gamma_end - gamma_free).
     """
-    s1 = real(0.0)
-    s2 = real(0.0)
+    s1 = wide(0.0)
+    s2 = wide(0.0)
     for c in range(count):
         p = contacts[slot, c].percussion
         arm = contacts[slot, c].arm
         unmoved = velocity_at(free, arm)
         s1 += wp.dot(p, velocity_at(start, arm) + unmoved)
         s2 += wp.dot(p, velocity_at(end, arm) - unmoved)
-    share = real(1.0)
-    if s1 + s2 > real(0.0):
-        share = real(0.0)
-        if s1 < real(0.0):
+    share = wide(1.0)
+    if s1 + s2 > wide(0.0):
+        share = wide(0.0)
+        if s1 < wide(0.0):
             share = -s1 / s2
     return share

@@ -10,7 +10,7 @@ import functools
 
 import warp as wp
 from warpdem.kernels.incidence import pair_at, pairs_of
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import vec3, wide
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Bonds, Geometry, Incidence, Joints, Pairs, Sleep
 
@@ -33,10 +33,10 @@ def kept_wrench(pairs: Pairs, pair: int, d: vec3):
 
 
 @inlined()
-def time_slow(geometry: Geometry, bodies: Bodies, body: int, dt: real):
+def time_slow(geometry: Geometry, bodies: Bodies, body: int, dt: wide):
     """Time for how long the farthest point of a body has been slow."""
     pace = wp.length(bodies.velocity[body]) + geometry.bound[body] * wp.length(bodies.spin[body])
-    slow = real(0.0)
+    slow = wide(0.0)
     if pace < bodies.sleep.speed:
         slow = bodies.sleep.slow[body] + dt
     bodies.sleep.slow[body] = slow
@@ -86,8 +86,8 @@ def dormancy(gather_all: wp.Function) -> wp.Function:
             turned = wp.length(torque - bodies.sleep.torque[body])
             if not (pushed <= allowed and turned <= allowed * geometry.bound[body]):
                 bodies.sleep.asleep[body] = 0
-                bodies.sleep.allowed[body] = real(-1.0)
-                bodies.sleep.slow[body] = real(0.0)
+                bodies.sleep.allowed[body] = wide(-1.0)
+                bodies.sleep.slow[body] = wide(0.0)
                 bodies.sleep.woken[body] = bodies.sleep.woken[body] + 1
                 stir(pairs, incidence, bodies, body)
                 return False

@@ -14,7 +14,7 @@ from warpdem.kernels.incidence import owned_from
 from warpdem.kernels.kinematics import Flow
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.narrow import FAR
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.precision import real, vec3, wide, wide3, wide4
 from warpdem.kernels.sleep import kept_wrench, stand_still
 from warpdem.kernels.touching import find_single, gaps
 from warpdem.kernels.variant import compiled, inlined, place, variant
@@ -41,7 +41,8 @@ def single_dashpot(laws: Laws) -> wp.Function:
         tau = real(0.0)
         beta = real(0.0)
         if wp.static(laws.damped):
-            omega = wp.sqrt(law.kn * (inertia.inverse_mass[i] + inertia.inverse_mass[j]))
+            inverse_mass = real(inertia.inverse_mass[i] + inertia.inverse_mass[j])
+            omega = wp.sqrt(law.kn * inverse_mass)
             tau = real(2.0) * law.zeta / omega
             beta = law.zeta * omega * dt
         return tau, beta
@@ -61,7 +62,7 @@ def one_pair(laws: Laws) -> wp.Function:
         geometry: Geometry,
         inertia: Inertia,
         materials: wp.array(dtype=Material),
-        dt: real,
+        dt: wide,
         margin: real,
         bodies: Bodies,
         cell: Cell,
@@ -74,30 +75,34 @@ def one_pair(laws: Laws) -> wp.Function:
         """Force [N] and torque [N m] on the owner, about its centre."""
         pair = place(pair)
         j = place(pairs.partner[pair])
-        d = bodies.position[i] - bodies.position[j]
+        apart = bodies.position[i] - bodies.position[j]
         if wp.static(laws.sleeps):
             if stand_still(bodies.sleep, i, j):
-                f, t = kept_wrench(pairs, pair, d)
+                f, t = kept_wrench(pairs, pair, vec3(apart))
                 return f, t
         flow = Flow()
         if wp.static(laws.periodic):
             image = real_vector(pairs.image[pair])
-            d -= cell.edges[0] * image
+            apart -= cell.edges[0] * image
             if wp.static(laws.deforming):
                 flow.half = cell.rate[0] * image
                 flow.end = cell.rate_end[0] * image
+        d = vec3(apart)
+        step = real(dt)
         law = materials[pairs.material[pair]]
-        hit, near, freed, unrolled = find(geometry, bodies, candidates, i, j, law, d, pair, margin)
+        hit, near, freed, unrolled = find(
+            geometry, bodies, candidates, i, j, law, apart, pair, margin
+        )
         account = given_up(law, freed, unrolled)
-        power = vec4()
+        power = wide4()
         force = vec3()
         own = vec3()
         if near:
-            tau, beta = dashpot_of(inertia, law, i, j, dt)
+            tau, beta = dashpot_of(inertia, law, i, j, step)
             # fmt: off
             force, torque, a, p = apply(
                 geometry, inertia, bodies, candidates, law, flow, i, j, d, pair, hit.normal,
-                hit.point, -hit.gap, real(1.0), tau, beta, dt,
+                hit.point, -hit.gap, real(1.0), tau, beta, step,
             )
             # fmt: on
             account += a
@@ -111,7 +116,7 @@ def one_pair(laws: Laws) -> wp.Function:
         if wp.static(laws.account):
             since = energy.pair[pair]
             lost = since + account + power * dt
-            energy.pair[pair] = vec4(account[0], lost[1], lost[2], lost[3])
+            energy.pair[pair] = wide4(account[0], lost[1], lost[2], lost[3])
             energy.power[pair] = power
         return force, own
 
@@ -130,7 +135,7 @@ def sphere_forces(laws: Laws) -> wp.Kernel:
         inertia: Inertia,
         materials: wp.array(dtype=Material),
         # in
-        dt: real,
+        dt: wide,
         margin: real,
         span: wp.array(dtype=wp.int32),
         bodies: Bodies,
@@ -149,8 +154,8 @@ def sphere_forces(laws: Laws) -> wp.Kernel:
         if wp.static(laws.sleeps):
             if bodies.sleep.deep[body] != 0:
                 return
-        force = vec3()
-        torque = vec3()
+        force = wide3()
+        torque = wide3()
         for pair in range(owned_from(incidence, body), incidence.ends[body]):
             # fmt: off
             f, t = wrench_of(
@@ -158,8 +163,8 @@ def sphere_forces(laws: Laws) -> wp.Kernel:
                 body, pair,
             )
             # fmt: on
-            force += f
-            torque += t
+            force += wide3(f)
+            torque += wide3(t)
         incidence.own_force[body] = force
         incidence.own_torque[body] = torque
 

@@ -9,7 +9,7 @@ from warpdem.kernels.laws import Laws
 from warpdem.kernels.matching import hand_over
 from warpdem.kernels.narrow import feature_pair
 from warpdem.kernels.normal import pair_frequency
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.precision import real, vec3, wide, wide3, wide4
 from warpdem.kernels.regions import is_nearest
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined, place
@@ -31,7 +31,7 @@ def find_touching(laws: Laws) -> wp.Function:
         i: int,
         j: int,
         law: Material,
-        d: vec3,
+        d: wide3,
         start: int,
         end: int,
         margin: real,
@@ -41,20 +41,20 @@ def find_touching(laws: Laws) -> wp.Function:
         reach = real(0.0)
         if wp.static(laws.reaching):
             reach = law.dncut
-        freed = real(0.0)
-        unrolled = real(0.0)
+        freed = wide(0.0)
+        unrolled = wide(0.0)
         for k in range(start, end):
             c = k
             if wp.static(laws.polyhedra):
                 c = place(candidates.hot[k])
             past = candidates.past[c]
-            touched = past[3] != real(-1.0)
+            touched = past[3] != wide(-1.0)
             hit = gap_of(geometry, bodies, i, j, d, margin, touched, candidates.code[c])
             near = hit.gap < reach
             if wp.static(laws.sticky):
                 # what pulled until within this step still has to be paid for it
                 if law.fc > real(0.0) or law.gamma > real(0.0):
-                    near = near or (past[3] >= real(0.0) and hit.gap < margin)
+                    near = near or (past[3] >= wide(0.0) and hit.gap < margin)
             inside = hit.outside == real(0.0)
             if wp.static(laws.once):
                 if near and inside:
@@ -66,13 +66,13 @@ def find_touching(laws: Laws) -> wp.Function:
                 candidates.point[slot] = hit.point
                 candidates.gap[slot] = hit.gap
                 touching += 1
-            elif past[3] >= real(0.0):
+            elif past[3] >= wide(0.0):
                 if wp.static(laws.keep):
                     # what is no longer over its feature is as far as what is beyond the margin
                     gap = wp.where(inside, hit.gap, margin)
                     settle(candidates, c, gap, margin)
                 elif hit.gap < real(0.0):
-                    candidates.past[c] = vec4(past[0], past[1], past[2], real(-2.0) - past[3])
+                    candidates.past[c] = wide4(past[0], past[1], past[2], wide(-2.0) - past[3])
                     ended += 1
                 else:
                     lost, still = settle(candidates, c, hit.gap, margin)
@@ -111,20 +111,20 @@ def find_single(laws: Laws) -> wp.Function:
         i: int,
         j: int,
         law: Material,
-        d: vec3,
+        d: wide3,
         c: int,
         margin: real,
     ):
         reach = real(0.0)
         if wp.static(laws.reaching):
             reach = law.dncut
-        freed = real(0.0)
-        unrolled = real(0.0)
+        freed = wide(0.0)
+        unrolled = wide(0.0)
         hit = gap_of(geometry, bodies, i, j, d, margin, True, candidates.code[c])
         near = hit.gap < reach
         if not near:
             past = candidates.past[c]
-            if past[3] >= real(0.0):
+            if past[3] >= wide(0.0):
                 if wp.static(laws.sticky):
                     if law.fc > real(0.0) or law.gamma > real(0.0):
                         near = hit.gap < margin
@@ -141,28 +141,28 @@ def settled(laws: Laws) -> wp.Function:
 
     @inlined()
     def settled(candidates: Candidates, c: int, gap: real, margin: real):
-        freed = real(0.0)
-        unrolled = real(0.0)
+        freed = wide(0.0)
+        unrolled = wide(0.0)
         if wp.static(laws.keep):
             if wp.static(laws.avalanche):
                 candidates.last[c] = real(0.0)
             if gap >= margin:
-                candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+                candidates.past[c] = wide4(wide(0.0), wide(0.0), wide(0.0), wide(-1.0))
                 if wp.static(laws.rolling):
-                    candidates.rolled[c] = vec4()
+                    candidates.rolled[c] = wide4()
         else:
             if wp.static(laws.account):
                 past = candidates.past[c]
                 freed = past[0] * past[0] + past[1] * past[1] + past[2] * past[2]
                 if wp.static(laws.moving):
-                    freed = freed / candidates.share[c]
-            candidates.past[c] = vec4(real(0.0), real(0.0), real(0.0), real(-1.0))
+                    freed = freed / wide(candidates.share[c])
+            candidates.past[c] = wide4(wide(0.0), wide(0.0), wide(0.0), wide(-1.0))
             if wp.static(laws.rolling):
                 rolled = candidates.rolled[c]
                 unrolled = wp.dot(rolled, rolled)
                 if wp.static(laws.moving):
-                    unrolled = unrolled / candidates.share[c]
-                candidates.rolled[c] = vec4()
+                    unrolled = unrolled / wide(candidates.share[c])
+                candidates.rolled[c] = wide4()
         return freed, unrolled
 
     return settled
@@ -214,11 +214,11 @@ def frequency(laws: Laws) -> wp.Function:
             torque_j += wp.cross(point, f)
             squares += pushed * overlap
             single += pushed * pushed
-        inverse_mass = inertia.inverse_mass[i] + inertia.inverse_mass[j]
+        inverse_mass = real(inertia.inverse_mass[i] + inertia.inverse_mass[j])
         square = inverse_mass
         if squares > real(0.0):
-            spin_i = world_inverse(bodies.rotation[i], inertia.inverse_moment[i], torque_i)
-            spin_j = world_inverse(bodies.rotation[j], inertia.inverse_moment[j], torque_j)
+            spin_i = world_inverse(bodies.rotation[i], vec3(inertia.inverse_moment[i]), torque_i)
+            spin_j = world_inverse(bodies.rotation[j], vec3(inertia.inverse_moment[j]), torque_j)
             square = pair_frequency(
                 force, torque_i, torque_j, spin_i, spin_j, squares, single, inverse_mass
             )

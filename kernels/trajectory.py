@@ -38,12 +38,12 @@ from warpdem.kernels.passages import (
     observe,
     way_of,
 )
-from warpdem.kernels.precision import real
+from warpdem.kernels.precision import wide
 from warpdem.kernels.rotation import arc
 from warpdem.kernels.variant import fused, inlined, variant
 
 # squared speed beyond which nothing is computed [m^2/s^2]
-FASTEST = wp.constant(real(1.0e100))
+FASTEST = wp.constant(wide(1.0e100))
 
 
 @inlined()
@@ -99,10 +99,10 @@ def one_pass(parts: Parts) -> wp.Function:
                 steps = steps_free(terrain, rocks, rules, motion, rock, dt)
         after = Motion()
         if steps > 0:
-            drag = real(0.0)
+            drag = wide(0.0)
             if wp.static(parts.forest):
-                drag = canopy(terrain, obstacles, motion.position, real(1.0) / rocks.mass[rock])
-            h = dt * real(steps)
+                drag = canopy(terrain, obstacles, motion.position, wide(1.0) / rocks.mass[rock])
+            h = dt * wide(steps)
             after = flown(rules, motion, rocks.inertia[rock], drag, h)
             at = motion.position
             kind = terrain.class_of[row_of(terrain, at[1]), column_of(terrain, at[0])]
@@ -152,7 +152,7 @@ def advance(parts: Parts) -> wp.Kernel:
             after = onward(terrain, rocks, classes, obstacles, rules, flights, slot, motion)
             way = way_of(rocks, rules, rock, motion, after)
             if wp.static(parts.screens):
-                kept = real(1.0)
+                kept = wide(1.0)
                 at = motion.position
                 near = terrain.near[row_of(terrain, at[1]), column_of(terrain, at[0])]
                 if (near & SCREEN) != 0:

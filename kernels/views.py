@@ -1,7 +1,18 @@
 """What kernels see of the model and the state."""
 
 import warp as wp
-from warpdem.kernels.precision import mat33, quat, real, vec3, vec4, vec8
+from warpdem.kernels.precision import (
+    mat33,
+    quat,
+    real,
+    vec3,
+    vec4,
+    vec8,
+    wide,
+    wide3,
+    wide4,
+    wide33,
+)
 
 
 @wp.struct
@@ -53,7 +64,7 @@ class Geometry:
     radius: wp.array(dtype=real)  # rounding, scaled
     # bounding sphere about the centre of mass, rounding included; of a surface that moves: the
     # distance of the farthest body when the lists were made
-    bound: wp.array(dtype=real)
+    bound: wp.array(dtype=wide)
     arm_start: wp.array(dtype=wp.int32)
     group: wp.array(dtype=wp.int32)
     rank: wp.array(dtype=wp.int32)  # of two bodies the lower one owns the pair
@@ -64,10 +75,10 @@ class Geometry:
 class Inertia:
     """Masses; zero inverses stand for fixed and driven bodies."""
 
-    mass: wp.array(dtype=real)  # 0 where the inverse is
-    inverse_mass: wp.array(dtype=real)
-    moment: wp.array(dtype=vec3)
-    inverse_moment: wp.array(dtype=vec3)
+    mass: wp.array(dtype=wide)  # 0 where the inverse is
+    inverse_mass: wp.array(dtype=wide)
+    moment: wp.array(dtype=wide3)
+    inverse_moment: wp.array(dtype=wide3)
     driven: wp.array(dtype=wp.int32)  # place among the driven bodies + 1; 0 for all others
 
 
@@ -78,44 +89,44 @@ class Sleep:
     Arrays are those of bodies; there are none where nothing may sleep.
     """
 
-    speed: real  # of the farthest point, below which a body is slow [m/s]
-    after: real  # for how long it is so before it falls asleep [s]
-    tolerance: real  # change of the force that wakes it, over its weight or largest contact force
+    speed: wide  # of the farthest point, below which a body is slow [m/s]
+    after: wide  # for how long it is so before it falls asleep [s]
+    tolerance: wide  # change of the force that wakes it, over its weight or largest contact force
     asleep: wp.array(dtype=wp.int32)  # 1: it stands still; so do fixed bodies that nothing drives
     deep: wp.array(dtype=wp.int32)  # 1: so do all bodies in its pairs, nothing need be looked at
-    slow: wp.array(dtype=real)  # for how long it has been [s]
+    slow: wp.array(dtype=wide)  # for how long it has been [s]
     # when it fell asleep: wrench of its contacts, and the change of the force that wakes it; this
     # is negative while it is awake
-    force: wp.array(dtype=vec3)
-    torque: wp.array(dtype=vec3)
-    allowed: wp.array(dtype=real)
+    force: wp.array(dtype=wide3)
+    torque: wp.array(dtype=wide3)
+    allowed: wp.array(dtype=wide)
     woken: wp.array(dtype=wp.int32)  # how often it was
-    taken: wp.array(dtype=real)  # kinetic energy that it lost by falling asleep [J]
+    taken: wp.array(dtype=wide)  # kinetic energy that it lost by falling asleep [J]
 
 
 @wp.struct
 class Bodies:
     """State of the bodies."""
 
-    position: wp.array(dtype=vec3)
+    position: wp.array(dtype=wide3)
     orientation: wp.array(dtype=quat)
-    momentum: wp.array(dtype=vec3)
-    angular_momentum: wp.array(dtype=vec3)
-    force: wp.array(dtype=vec3)
-    torque: wp.array(dtype=vec3)
+    momentum: wp.array(dtype=wide3)
+    angular_momentum: wp.array(dtype=wide3)
+    force: wp.array(dtype=wide3)
+    torque: wp.array(dtype=wide3)
     # derived in the drift
     rotation: wp.array(dtype=mat33)
-    velocity: wp.array(dtype=vec3)  # at the half step
-    spin: wp.array(dtype=vec3)
-    velocity_end: wp.array(dtype=vec3)  # predicted for the end of the step
-    spin_end: wp.array(dtype=vec3)
+    velocity: wp.array(dtype=wide3)  # at the half step
+    spin: wp.array(dtype=wide3)
+    velocity_end: wp.array(dtype=wide3)  # predicted for the end of the step
+    spin_end: wp.array(dtype=wide3)
     arm: wp.array(dtype=vec3)  # vertices about the centre of mass, world axes
     braked: wp.array(dtype=wp.int32)  # number of pairs that acted in the last pass
     # way of the farthest point since the lists were made, where there are hot lists [m]
-    path: wp.array(dtype=real)
-    reach: wp.array(dtype=real)  # its part of the skin: so far it may go from where it was listed
+    path: wp.array(dtype=wide)
+    reach: wp.array(dtype=wide)  # its part of the skin: so far it may go from where it was listed
     # where the lists were made
-    listed_position: wp.array(dtype=vec3)
+    listed_position: wp.array(dtype=wide3)
     listed_orientation: wp.array(dtype=quat)
     sleep: Sleep
 
@@ -131,30 +142,30 @@ class Drives:
     base: wp.array(dtype=wp.int32)  # first step of the rows
     steps: wp.array(dtype=wp.int32)  # number of steps done, of the first host thread's clock
     # imposed, rows: at the step's end; velocities also at the half step
-    position: wp.array(dtype=vec3)
+    position: wp.array(dtype=wide3)
     orientation: wp.array(dtype=quat)
-    velocity: wp.array(dtype=vec3)
-    spin: wp.array(dtype=vec3)
-    velocity_end: wp.array(dtype=vec3)
-    spin_end: wp.array(dtype=vec3)
+    velocity: wp.array(dtype=wide3)
+    spin: wp.array(dtype=wide3)
+    velocity_end: wp.array(dtype=wide3)
+    spin_end: wp.array(dtype=wide3)
     # imposed on those that follow a force, rows, along the world's axes
-    force: wp.array(dtype=vec3)  # at the step's end [N]
-    moment: wp.array(dtype=vec3)  # [N m]
-    pressure: wp.array(dtype=vec3)  # to be multiplied by the area [Pa]
-    loose: wp.array(dtype=vec3)  # 1 where the axis follows the force during the step, else 0
-    loose_spin: wp.array(dtype=vec3)
+    force: wp.array(dtype=wide3)  # at the step's end [N]
+    moment: wp.array(dtype=wide3)  # [N m]
+    pressure: wp.array(dtype=wide3)  # to be multiplied by the area [Pa]
+    loose: wp.array(dtype=wide3)  # 1 where the axis follows the force during the step, else 0
+    loose_spin: wp.array(dtype=wide3)
     # of a driven body, along the world's axes; inverses are 0 where no force moves it
-    inverse_mass: wp.array(dtype=vec3)
-    inverse_inertia: wp.array(dtype=vec3)
-    damping: wp.array(dtype=vec3)
-    spin_damping: wp.array(dtype=vec3)
+    inverse_mass: wp.array(dtype=wide3)
+    inverse_inertia: wp.array(dtype=wide3)
+    damping: wp.array(dtype=wide3)
+    spin_damping: wp.array(dtype=wide3)
     # of a driven body: the rows of the present step, for the kick
-    now: wp.array(dtype=mat33)  # force, moment, pressure in its rows
-    now_loose: wp.array(dtype=mat33)  # loose, loose_spin in its first two
-    now_end: wp.array(dtype=mat33)  # velocity_end, spin_end in its first two
-    area: wp.array(dtype=real)  # a pressure acts on, at 3 place + axis [m^2]
+    now: wp.array(dtype=wide33)  # force, moment, pressure in its rows
+    now_loose: wp.array(dtype=wide33)  # loose, loose_spin in its first two
+    now_end: wp.array(dtype=wide33)  # velocity_end, spin_end in its first two
+    area: wp.array(dtype=wide)  # a pressure acts on, at 3 place + axis [m^2]
     # state: how far a force has moved it from the imposed motion
-    offset: wp.array(dtype=vec3)
+    offset: wp.array(dtype=wide3)
     turn: wp.array(dtype=quat)
 
 
@@ -179,7 +190,7 @@ class Pairs:
     material: wp.array(dtype=wp.int32)
     start: wp.array(dtype=wp.int32)  # first candidate; one entry more than there are pairs
     hot_end: wp.array(dtype=wp.int32)  # of the hot candidates, which begin where the others do
-    cold: wp.array(dtype=real)  # path of both bodies after which others may touch [m]
+    cold: wp.array(dtype=wide)  # path of both bodies after which others may touch [m]
     touching: wp.array(dtype=wp.int32)  # number of touching candidates
     force: wp.array(dtype=vec3)  # on the owner
     torque: wp.array(dtype=vec3)  # on the owner, about its centre of mass
@@ -193,32 +204,32 @@ class Pairs:
 class Cell:
     """The periodic cell, one entry each; image n of a body lies at x + edges n."""
 
-    centre: wp.array(dtype=vec3)
+    centre: wp.array(dtype=wide3)
     spanning: wp.array(dtype=wp.vec3i)  # of a body: axes along which it has no images
-    edges: wp.array(dtype=mat33)  # H, its columns [m]
-    rate: wp.array(dtype=mat33)  # H' at the half step
-    rate_end: wp.array(dtype=mat33)  # predicted for the end of the step
-    acceleration: wp.array(dtype=mat33)  # A: bodies are accelerated by A x
-    jump: wp.array(dtype=mat33)  # of the velocity gradient at the end of the step
-    gradient: wp.array(dtype=mat33)  # L at the end of the step
-    time: wp.array(dtype=real)
-    lattice: wp.array(dtype=mat33)  # integers U: edges are those of the start, deformed, times U
+    edges: wp.array(dtype=wide33)  # H, its columns [m]
+    rate: wp.array(dtype=wide33)  # H' at the half step
+    rate_end: wp.array(dtype=wide33)  # predicted for the end of the step
+    acceleration: wp.array(dtype=wide33)  # A: bodies are accelerated by A x
+    jump: wp.array(dtype=wide33)  # of the velocity gradient at the end of the step
+    gradient: wp.array(dtype=wide33)  # L at the end of the step
+    time: wp.array(dtype=wide)
+    lattice: wp.array(dtype=wide33)  # integers U: edges are those of the start, deformed, times U
     # since the lists were made: their edges, F = H H_listed^-1, |F - 1|
-    listed: wp.array(dtype=mat33)
-    since: wp.array(dtype=mat33)
-    stretch: wp.array(dtype=real)
+    listed: wp.array(dtype=wide33)
+    since: wp.array(dtype=wide33)
+    stretch: wp.array(dtype=wide)
     # control: rates given; 1 where a stress is; that stress, compression positive
-    given: wp.array(dtype=mat33)
-    held: wp.array(dtype=mat33)
-    target: wp.array(dtype=mat33)
-    inertia: wp.array(dtype=real)  # M of M L' = V (stress - target) - M damping L [kg m^2]
-    damping: wp.array(dtype=real)
-    start: wp.array(dtype=real)
-    stop: wp.array(dtype=real)
+    given: wp.array(dtype=wide33)
+    held: wp.array(dtype=wide33)
+    target: wp.array(dtype=wide33)
+    inertia: wp.array(dtype=wide)  # M of M L' = V (stress - target) - M damping L [kg m^2]
+    damping: wp.array(dtype=wide)
+    start: wp.array(dtype=wide)
+    stop: wp.array(dtype=wide)
     # partial sums of the volume times the stress; work done on the bodies
-    sums: wp.array(dtype=mat33)
-    power: wp.array(dtype=real)
-    work: wp.array(dtype=real)
+    sums: wp.array(dtype=wide33)
+    power: wp.array(dtype=wide)
+    work: wp.array(dtype=wide)
 
 
 @wp.struct
@@ -226,11 +237,11 @@ class Candidates:
     """Feature pairs of the body pairs, and what the contacts remember."""
 
     code: wp.array(dtype=wp.int64)  # kind << 58 | feature of owner << 29 | feature of partner
-    past: wp.array(dtype=vec4)  # tangential force and normal force; -1 when it did not touch
-    rolled: wp.array(dtype=vec4)  # rolling moment: tangent part, and about the normal
+    past: wp.array(dtype=wide4)  # tangential force and normal force; -1 when it did not touch
+    rolled: wp.array(dtype=wide4)  # rolling moment: tangent part, and about the normal
     share: wp.array(dtype=real)  # of the pair's stiffness, where shares move
     last: wp.array(dtype=real)  # gap of the last step, where a law needs it
-    clear: wp.array(dtype=real)  # path of both bodies before which it cannot touch [m]
+    clear: wp.array(dtype=wide)  # path of both bodies before which it cannot touch [m]
     # of the hot ones, and of the touching ones, packed from the start of the pair's slice
     hot: wp.array(dtype=wp.int32)
     which: wp.array(dtype=wp.int32)
@@ -250,8 +261,8 @@ class Incidence:
     start: wp.array(dtype=wp.int32)
     pair: wp.array(dtype=wp.int32)
     ends: wp.array(dtype=wp.int32)
-    own_force: wp.array(dtype=vec3)
-    own_torque: wp.array(dtype=vec3)
+    own_force: wp.array(dtype=wide3)
+    own_torque: wp.array(dtype=wide3)
 
 
 @wp.struct
@@ -301,16 +312,16 @@ class Clock:
 class External:
     """Forces on single bodies: coefficients of each body, and what all share."""
 
-    drag: wp.array(dtype=real)  # [kg/m]
-    fluid: wp.array(dtype=real)  # friction against the flow [kg/m]
-    flow: wp.array(dtype=vec3, ndim=3)  # velocity of the fluid at the nodes of a grid [m/s]
-    origin: vec3  # its first node [m]
-    spacing: vec3
-    damping: real
-    speed_limit: real
-    speed_exponent: real
-    spin_limit: real
-    spin_exponent: real
+    drag: wp.array(dtype=wide)  # [kg/m]
+    fluid: wp.array(dtype=wide)  # friction against the flow [kg/m]
+    flow: wp.array(dtype=wide3, ndim=3)  # velocity of the fluid at the nodes of a grid [m/s]
+    origin: wide3  # its first node [m]
+    spacing: wide3
+    damping: wide
+    speed_limit: wide
+    speed_exponent: wide
+    spin_limit: wide
+    spin_exponent: wide
 
 
 @wp.struct
@@ -322,29 +333,29 @@ class Account:
     the external forces but gravity do on it.
     """
 
-    pair: wp.array(dtype=vec4)
-    power: wp.array(dtype=vec4)
-    body_power: wp.array(dtype=real)
-    work: wp.array(dtype=real)
+    pair: wp.array(dtype=wide4)
+    power: wp.array(dtype=wide4)
+    body_power: wp.array(dtype=wide)
+    work: wp.array(dtype=wide)
 
 
 @wp.struct
 class BondLaw:
     """Parameters of an interface's bonds [N/m, N m/rad, s, 1/s, N, N m, J]; inf: unbreakable."""
 
-    kn: real
-    kt: real
-    kr: real
-    tau: real  # of the dashpots: their force is kn tau times the velocity
-    rate: real  # zeta omega of the pair: share of its own force a bond takes implicitly, a second
-    decay: real  # fastest that dashpots of its bodies could make a mode decay
-    fn0: real
-    ft0: real
-    m0: real
-    power: real
-    stretching: real  # energies beyond which the interface breaks
-    shearing: real
-    both: real
+    kn: wide
+    kt: wide
+    kr: wide
+    tau: wide  # of the dashpots: their force is kn tau times the velocity
+    rate: wide  # zeta omega of the pair: share of its own force a bond takes implicitly, a second
+    decay: wide  # fastest that dashpots of its bodies could make a mode decay
+    fn0: wide
+    ft0: wide
+    m0: wide
+    power: wide
+    stretching: wide  # energies beyond which the interface breaks
+    shearing: wide
+    both: wide
 
 
 @wp.struct
@@ -361,17 +372,17 @@ class Bonds:
     state: wp.array(dtype=wp.int32)  # BROKEN, INTACT or YIELDED
     mode: wp.array(dtype=wp.int32)  # what broke it
     step: wp.array(dtype=wp.int32)  # at which it broke
-    force: wp.array(dtype=vec3)  # on the owner
-    torque: wp.array(dtype=vec3)  # on the owner, about its centre of mass
-    torque_partner: wp.array(dtype=vec3)
-    energy: wp.array(dtype=vec4)  # elastic, its rate, lost in dashpots, released
-    power: wp.array(dtype=real)  # of the dashpots
+    force: wp.array(dtype=wide3)  # on the owner
+    torque: wp.array(dtype=wide3)  # on the owner, about its centre of mass
+    torque_partner: wp.array(dtype=wide3)
+    energy: wp.array(dtype=wide4)  # elastic, its rate, lost in dashpots, released
+    power: wp.array(dtype=wide)  # of the dashpots
     # of a bond
     code: wp.array(dtype=wp.int64)  # as that of a candidate
-    rest: wp.array(dtype=real)  # gap without force
-    held: wp.array(dtype=vec4)  # elastic tangential force, and normal force
-    viscous: wp.array(dtype=vec3)  # tangential force of the dashpot
-    bent: wp.array(dtype=vec4)  # moment: tangent part, and about the normal
-    normal: wp.array(dtype=vec3)
-    point: wp.array(dtype=vec3)  # about the partner's centre of mass
-    gap: wp.array(dtype=real)
+    rest: wp.array(dtype=wide)  # gap without force
+    held: wp.array(dtype=wide4)  # elastic tangential force, and normal force
+    viscous: wp.array(dtype=wide3)  # tangential force of the dashpot
+    bent: wp.array(dtype=wide4)  # moment: tangent part, and about the normal
+    normal: wp.array(dtype=wide3)
+    point: wp.array(dtype=wide3)  # about the partner's centre of mass
+    gap: wp.array(dtype=wide)

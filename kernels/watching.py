@@ -3,7 +3,7 @@
 import functools
 
 import warp as wp
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import wide, wide3
 from warpdem.kernels.rotation import arc
 from warpdem.kernels.surfaces import tilt
 from warpdem.kernels.variant import inlined
@@ -11,21 +11,21 @@ from warpdem.kernels.views import Bodies, Cell, Clock, Geometry
 
 
 @inlined()
-def turn(geometry: Geometry, bodies: Bodies, body: int) -> real:
+def turn(geometry: Geometry, bodies: Bodies, body: int) -> wide:
     """How far a body has turned since the lists were made [rad]."""
     return arc(bodies.orientation[body], bodies.listed_orientation[body])
 
 
 @inlined()
-def turned_not(geometry: Geometry, bodies: Bodies, body: int) -> real:
+def turned_not(geometry: Geometry, bodies: Bodies, body: int) -> wide:
     """``turn`` of bodies whose turning moves nothing."""
-    return real(0.0)
+    return wide(0.0)
 
 
 @wp.func
-def flies(speed: real, spinning: real, bound: real, dt: real) -> bool:
+def flies(speed: wide, spinning: wide, bound: wide, dt: wide) -> bool:
     """Whether a body moves more than its own size in one step, or has no velocity (NaN)."""
-    return not ((speed + real(0.3) * spinning * bound) * dt <= bound)
+    return not ((speed + wide(0.3) * spinning * bound) * dt <= bound)
 
 
 @functools.cache
@@ -46,12 +46,12 @@ def watching(*, paths: bool, surfaces: bool, turns: bool, deforming: bool) -> wp
         cell: Cell,
         clock: Clock,
         body: int,
-        velocity: vec3,
-        before: vec3,
-        spin: vec3,
-        lever: real,
-        dt: real,
-        watched: real,
+        velocity: wide3,
+        before: wide3,
+        spin: wide3,
+        lever: wide,
+        dt: wide,
+        watched: wide,
     ):
         """``before`` and ``spin`` are those of the last half step and of this one [rad/s].
 
@@ -78,7 +78,7 @@ def watching(*, paths: bool, surfaces: bool, turns: bool, deforming: bool) -> wp
             if path <= reach:
                 return
         away = bodies.position[body] - bodies.listed_position[body]
-        stretched = real(0.0)
+        stretched = wide(0.0)
         if wp.static(deforming):
             # F = H H_listed^-1 and u = x - F x_listed: d = u_i - u_j + F d_listed of all images
             listed = bodies.listed_position[body] - cell.centre[0]

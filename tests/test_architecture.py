@@ -57,6 +57,8 @@ def runtime_imports(path: Path) -> set[str]:
 
 def needs_warp(path: Path) -> bool:
     names = runtime_imports(path)
+    # which precision kernels shall have is told before they are imported
+    names = names - {"warpdem.kernels.choice"}
     return any(name == "warp" or name.startswith(("warp.", "warpdem.kernels")) for name in names)
 
 

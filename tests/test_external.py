@@ -11,15 +11,15 @@ from warpdem.kernels.external import (
     nearest_node,
     quadratic_drag,
 )
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import wide, wide3
 
 
 @wp.kernel(enable_backward=False)
 def look_up(
-    field: wp.array(dtype=vec3, ndim=3),
-    places: wp.array(dtype=vec3),
-    near: wp.array(dtype=vec3),
-    between: wp.array(dtype=vec3),
+    field: wp.array(dtype=wide3, ndim=3),
+    places: wp.array(dtype=wide3),
+    near: wp.array(dtype=wide3),
+    between: wp.array(dtype=wide3),
 ):
     k = wp.tid()
     near[k] = nearest_node(field, places[k])
@@ -29,19 +29,19 @@ def look_up(
 def values(velocity, places):
     """Nearest and trilinear values of a grid at places, in spacings from its first node."""
     count = len(places)
-    near, between = (wp.zeros(count, dtype=vec3, device="cpu") for _ in range(2))
+    near, between = (wp.zeros(count, dtype=wide3, device="cpu") for _ in range(2))
     arrays = [
-        wp.array(velocity, dtype=vec3, device="cpu"),
-        wp.array(places, dtype=vec3, device="cpu"),
+        wp.array(velocity, dtype=wide3, device="cpu"),
+        wp.array(places, dtype=wide3, device="cpu"),
     ]
     wp.launch(look_up, dim=count, inputs=[*arrays, near, between], device="cpu")
     return near.numpy(), between.numpy()
 
 
 def test_drag_is_against_the_motion_and_goes_with_the_square_of_the_speed():
-    force = quadratic_drag(real(0.5), vec3(3.0, 0.0, -4.0), real(np.inf))
+    force = quadratic_drag(wide(0.5), wide3(3.0, 0.0, -4.0), wide(np.inf))
     assert list(force) == pytest.approx([-7.5, 0.0, 10.0], rel=1e-15)
-    cut = quadratic_drag(real(0.5), vec3(3.0, 0.0, -4.0), real(2.0))
+    cut = quadratic_drag(wide(0.5), wide3(3.0, 0.0, -4.0), wide(2.0))
     assert list(cut) == pytest.approx([-6.0, 0.0, 8.0], rel=1e-15)
 
 
@@ -75,7 +75,7 @@ def test_a_grid_of_one_node_is_the_same_everywhere():
 
 @pytest.mark.parametrize(("power", "factor"), [(2.0, 0.7), (-2.0, 1.3), (0.0, 1.3)])
 def test_cundalls_damping_lowers_forces_that_do_work(power, factor):
-    assert damping_factor(real(power), real(0.3)) == pytest.approx(factor, rel=1e-15)
+    assert damping_factor(wide(power), wide(0.3)) == pytest.approx(factor, rel=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -93,14 +93,14 @@ def test_cundalls_damping_lowers_forces_that_do_work(power, factor):
     ],
 )
 def test_mean_damping_sees_the_power_change_its_sign(power, own, other, factor):
-    found = mean_damping_factor(*map(real, (power, own, other, 1.0, 0.3)))
+    found = mean_damping_factor(*map(wide, (power, own, other, 1.0, 0.3)))
     assert found == pytest.approx(factor, rel=1e-14)
 
 
 @pytest.mark.parametrize("exponent", [1.0, 2.5, 8.0])
 def test_a_barrier_is_open_at_rest_shut_at_its_limit_and_pushes_back_beyond(exponent):
     def factor(speed):
-        return barrier_factor(real(speed), real(2.0), real(exponent))
+        return barrier_factor(wide(speed), wide(2.0), wide(exponent))
 
     assert factor(0.0) == 1.0
     assert factor(2.0) == factor(-2.0) == 0.0

@@ -3,11 +3,12 @@
 import pytest
 import warp as wp
 from colliding import heap, scene
+from gates import gate
 
 from warpdem.checks.check import check
 from warpdem.checks.memory import memory_of
 from warpdem.input.scene import Scene
-from warpdem.memory import ARRAYS, SIZES, bytes_per
+from warpdem.memory import ARRAYS, NARROWED, SIZES, bytes_per
 from warpdem.simulation import Simulation
 
 GRAINS = {
@@ -139,7 +140,7 @@ def test_the_bytes_of_each_body_pair_and_candidate_are_those_allocated(simulatio
         if array.view not in views or array.per not in counts or not array.needed(has):
             continue
         values = getattr(views[array.view], array.name)
-        expected = array.length(counts[array.per], has) * SIZES[array.kind]
+        expected = array.length(counts[array.per], has) * gate(SIZES, mixed=NARROWED)[array.kind]
         assert values.size * wp.types.type_size_in_bytes(values.dtype) == expected, array
 
 

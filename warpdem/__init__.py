@@ -54,7 +54,7 @@ _HOMES = {
     "Contacts": "snapshot",
     "Energy": "snapshot",
     "Scene": "input.scene",
-    "Simulation": "simulation",
+    "Simulation": "opening",
     "Snapshot": "snapshot",
     "load": "input.decode",
     "loads": "input.decode",

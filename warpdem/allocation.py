@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import warp as wp
 
 from warpdem.kernels.outcodes import Near
-from warpdem.kernels.precision import mat33, quat, real, vec3, vec4
+from warpdem.kernels.precision import mat33, quat, real, vec3, vec4, wide, wide3, wide4, wide33
 from warpdem.memory import arrays_of
 
 if TYPE_CHECKING:
@@ -21,6 +21,10 @@ TYPES = {
     "real": real,
     "vec3": vec3,
     "vec4": vec4,
+    "wide": wide,
+    "wide3": wide3,
+    "wide4": wide4,
+    "wide33": wide33,
     "quat": quat,
     "mat33": mat33,
     "Near": Near,

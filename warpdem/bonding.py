@@ -13,7 +13,7 @@ from warpdem.checks.restitution import zeta_bilateral
 from warpdem.checks.timestep import masses, movable_masses
 from warpdem.kernels.bond_bound import bond_bound
 from warpdem.kernels.bonding import BROKEN, INTACT, YIELDED
-from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.precision import wide, wide3, wide4
 from warpdem.kernels.release import release
 from warpdem.kernels.views import BondLaw, Bonds, Joints
 from warpdem.model import on
@@ -167,17 +167,17 @@ def _allocate(made: Interfaces, has: Features, body_count: int, device: Any) -> 
     for name in ("mode", "step"):
         setattr(bonds, name, wp.zeros(n, dtype=wp.int32, device=device))
     for name in ("force", "torque", "torque_partner"):
-        setattr(bonds, name, wp.zeros(n, dtype=vec3, device=device))
-    bonds.energy = wp.zeros(n, dtype=vec4, device=device)
-    bonds.power = wp.zeros(n, dtype=real, device=device)
+        setattr(bonds, name, wp.zeros(n, dtype=wide3, device=device))
+    bonds.energy = wp.zeros(n, dtype=wide4, device=device)
+    bonds.power = wp.zeros(n, dtype=wide, device=device)
     bonds.code = on(device, kind << 58 | a << 29 | b, wp.int64)
-    bonds.rest = on(device, _rest(made, has), real)
-    bonds.held = wp.zeros(m, dtype=vec4, device=device)
-    bonds.viscous = wp.zeros(m if has.bond_damping else 1, dtype=vec3, device=device)
-    bonds.bent = wp.zeros(m if has.bond_moments else 1, dtype=vec4, device=device)
-    bonds.normal = on(device, made.sites.normal, vec3)
-    bonds.point = wp.zeros(m, dtype=vec3, device=device)
-    bonds.gap = on(device, made.sites.gap, real)
+    bonds.rest = on(device, _rest(made, has), wide)
+    bonds.held = wp.zeros(m, dtype=wide4, device=device)
+    bonds.viscous = wp.zeros(m if has.bond_damping else 1, dtype=wide3, device=device)
+    bonds.bent = wp.zeros(m if has.bond_moments else 1, dtype=wide4, device=device)
+    bonds.normal = on(device, made.sites.normal, wide3)
+    bonds.point = wp.zeros(m, dtype=wide3, device=device)
+    bonds.gap = on(device, made.sites.gap, wide)
     return bonds
 
 

@@ -14,7 +14,7 @@ from warpdem.device_forces import external_of
 from warpdem.device_shapes import shape_arrays
 from warpdem.drives import allocate_drives, gauges
 from warpdem.features import Features, large_bodies, ranks, surface_bodies, tree_shapes
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import real, wide, wide3
 from warpdem.kernels.views import Geometry, Inertia
 from warpdem.materials import materials
 from warpdem.model import Model, on
@@ -121,7 +121,7 @@ def _body_arrays(
     geometry.shape = on(device, placement.shape.astype(np.int32), wp.int32)
     geometry.scale = on(device, placement.scale, real)
     geometry.radius = on(device, radius, real)
-    geometry.bound = on(device, bound, real)
+    geometry.bound = on(device, bound, wide)
     geometry.arm_start = on(device, starts[:-1].astype(np.int32), wp.int32)
     geometry.group = on(device, placement.group.astype(np.int32), wp.int32)
     geometry.rank = on(device, ranks(placement, shapes), wp.int32)
@@ -133,10 +133,10 @@ def _inertia(plan: Plan, mass: FloatArray, moment: FloatArray, device: Any) -> I
     inertia = Inertia()
     driven = np.zeros(len(mass), np.int32)
     driven[plan.bodies] = 1 + np.arange(len(plan.bodies))
-    inertia.mass = on(device, np.where(np.isfinite(mass), mass, 0.0), real)
-    inertia.inverse_mass = on(device, 1.0 / mass, real)
-    inertia.moment = on(device, np.where(np.isfinite(moment), moment, 0.0), vec3)
-    inertia.inverse_moment = on(device, 1.0 / moment, vec3)
+    inertia.mass = on(device, np.where(np.isfinite(mass), mass, 0.0), wide)
+    inertia.inverse_mass = on(device, 1.0 / mass, wide)
+    inertia.moment = on(device, np.where(np.isfinite(moment), moment, 0.0), wide3)
+    inertia.inverse_moment = on(device, 1.0 / moment, wide3)
     inertia.driven = on(device, driven, wp.int32)
     return inertia
 

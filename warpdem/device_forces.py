@@ -9,7 +9,7 @@ import warp as wp
 
 from warpdem.flow import flow_of
 from warpdem.input.scene_force import Drag, Fluid, NumericalDamping, VelocityBarrier
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import wide, wide3
 from warpdem.kernels.views import External
 from warpdem.model import on
 
@@ -36,11 +36,11 @@ def external_of(
         match force:
             case Drag():
                 drag += force.product * _acts_on(force.groups, placement)
-                external.drag = on(device, drag, real)
+                external.drag = on(device, drag, wide)
             case Fluid():
                 area = np.pi * equal_radii(placement, polyhedra) ** 2
                 friction = force.cx * area * _acts_on(force.groups, placement)
-                external.fluid = on(device, friction, real)
+                external.fluid = on(device, friction, wide)
             case NumericalDamping():
                 external.damping = force.coefficient
             case VelocityBarrier():
@@ -49,9 +49,9 @@ def external_of(
                 external.spin_limit = force.spin or 0.0
                 external.spin_exponent = force.spin_exponent
     if flow := flow_of(scene):
-        external.flow = wp.array(flow.velocity, dtype=vec3, device=device)
-        external.origin = vec3(*flow.origin)
-        external.spacing = vec3(*flow.spacing)
+        external.flow = wp.array(flow.velocity, dtype=wide3, device=device)
+        external.origin = wide3(*flow.origin)
+        external.spacing = wide3(*flow.spacing)
     return external
 
 

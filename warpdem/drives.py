@@ -8,7 +8,7 @@ import numpy as np
 import warp as wp
 
 from warpdem.driving.plan import block_steps
-from warpdem.kernels.precision import mat33, quat, real, vec3
+from warpdem.kernels.precision import quat, wide, wide3, wide33
 from warpdem.kernels.views import Drives, Gauge
 
 if TYPE_CHECKING:
@@ -37,16 +37,16 @@ def allocate_drives(device: Any, plan: Plan, features: Features, clock: Clock) -
     drives.steps = clock.steps
     drives.orientation = zeros(quat, rows)
     for name in MOTION:
-        setattr(drives, name, zeros(vec3, rows))
+        setattr(drives, name, zeros(wide3, rows))
     for name in LOADS:
-        setattr(drives, name, zeros(vec3, loads))
+        setattr(drives, name, zeros(wide3, loads))
     for name in ("inverse_mass", "inverse_inertia", "damping", "spin_damping"):
         values = getattr(plan.walls, name) if features.controlled else np.zeros((1, 3))
-        setattr(drives, name, wp.array(values, dtype=vec3, device=device))
+        setattr(drives, name, wp.array(values, dtype=wide3, device=device))
     for name in ("now", "now_loose", "now_end"):
-        setattr(drives, name, zeros(mat33, own))
-    drives.area = zeros(real, 3 * own)
-    drives.offset = zeros(vec3, own)
+        setattr(drives, name, zeros(wide33, own))
+    drives.area = zeros(wide, 3 * own)
+    drives.offset = zeros(wide3, own)
     drives.turn = wp.array(np.tile([0.0, 0.0, 0.0, 1.0], (own, 1)), dtype=quat, device=device)
     return drives
 

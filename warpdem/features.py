@@ -48,6 +48,7 @@ class Features:
     predicted: bool
     rotation: str
     fused: bool
+    mixed: bool
     turns: bool
     first_step: str
     hooke: bool
@@ -162,6 +163,7 @@ def features_of(
         large=bool((large_bodies(placement, shapes) & ~surface_bodies(placement, shapes)).any()),
         spherical=all(_is_spherical(shapes[k]) for k in np.unique(placement.shape[free])),
         fused=scene.run.arithmetic == "fused",
+        mixed=scene.run.precision == "mixed",
         turns=_turns(scene, [shapes[k] for k in np.unique(placement.shape[free])]),
         account=scene.output.energy,
         sleeps=contacts and scene.run.sleep is not None,

@@ -10,7 +10,7 @@ import warp as wp
 from warpdem.allocation import allocated
 from warpdem.errors import UnstableError
 from warpdem.kernels.images import find_images, wrap_bodies
-from warpdem.kernels.precision import vec3
+from warpdem.kernels.precision import wide3
 
 if TYPE_CHECKING:
     from warpdem.arrays import FloatArray, IntArray
@@ -71,7 +71,7 @@ class Images:
         own = allocated("images", "body", model.body_count, model.features, model.device)
         self.home, self.wrapped = own["home"], own["wrapped"]
         self._periodic = wp.vec3i(*map(int, model.periodic))
-        self._tree_reach = vec3(*self._large_reach())
+        self._tree_reach = wide3(*self._large_reach())
         surfaces = np.flatnonzero(model.surface)
         self._surface_body = wp.array(surfaces, dtype=wp.int32, device=model.device)
 

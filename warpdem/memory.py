@@ -26,12 +26,19 @@ SIZES = {
     "vec4": 32,
     "quat": 32,
     "mat33": 72,
+    "wide": 8,
+    "wide3": 24,
+    "wide4": 32,
+    "wide33": 72,
     "Near": 32,
     "box": 24,
     "Material": 160,
     "BondLaw": 104,
 }
 """Bytes of the types of the arrays' entries."""
+
+NARROWED = SIZES | {"real": 4, "vec3": 12, "vec4": 16, "mat33": 36, "Material": 84}
+"""The same in mixed precision."""
 
 HEAD_ROOM, SPARE = 1.3, 64
 """A list that has to grow is made so many times as long as it must be, and so much longer."""
@@ -81,7 +88,8 @@ class Array:
 
     def bytes_each(self, has: Features) -> int:
         """Bytes of each of what ``per`` says."""
-        return self.times * SIZES[self.kind] if self.needed(has) else 0
+        sizes = NARROWED if has.mixed else SIZES
+        return self.times * sizes[self.kind] if self.needed(has) else 0
 
 
 def _each(
@@ -97,33 +105,34 @@ def _each(
 
 ARRAYS = (
     # what moves
-    *_each("bodies", "body", "vec3", "position momentum angular_momentum force torque velocity"),
-    *_each("bodies", "body", "vec3", "spin velocity_end spin_end listed_position"),
+    *_each("bodies", "body", "wide3", "position momentum angular_momentum force torque velocity"),
+    *_each("bodies", "body", "wide3", "spin velocity_end spin_end listed_position"),
     *_each("bodies", "body", "quat", "orientation listed_orientation"),
     *_each("bodies", "body", "mat33", "rotation"),
-    *_each("bodies", "body", "real", "reach"),
+    *_each("bodies", "body", "wide", "reach"),
     *_each("bodies", "body", "int", "braked", "braking"),
-    *_each("bodies", "body", "real", "path", "hot_lists"),
+    *_each("bodies", "body", "wide", "path", "hot_lists"),
     *_each("bodies", "vertex", "vec3", "arm"),
     *_each("sleep", "body", "int", "asleep woken deep", "sleeps"),
-    *_each("sleep", "body", "real", "slow taken allowed", "sleeps"),
-    *_each("sleep", "body", "vec3", "force torque", "sleeps"),
-    *_each("account", "body", "real", "body_power work", "works"),
-    *_each("account", "pair", "vec4", "pair power", "account"),
+    *_each("sleep", "body", "wide", "slow taken allowed", "sleeps"),
+    *_each("sleep", "body", "wide3", "force torque", "sleeps"),
+    *_each("account", "body", "wide", "body_power work", "works"),
+    *_each("account", "pair", "wide4", "pair power", "account"),
     # what does not
     *_each("geometry", "body", "int", "shape arm_start group rank large"),
-    *_each("geometry", "body", "real", "scale radius bound"),
-    *_each("inertia", "body", "real", "mass inverse_mass"),
-    *_each("inertia", "body", "vec3", "moment inverse_moment"),
+    *_each("geometry", "body", "real", "scale radius"),
+    *_each("geometry", "body", "wide", "bound"),
+    *_each("inertia", "body", "wide", "mass inverse_mass"),
+    *_each("inertia", "body", "wide3", "moment inverse_moment"),
     *_each("inertia", "body", "int", "driven"),
-    *_each("external", "body", "real", "drag", "drag"),
-    *_each("external", "body", "real", "fluid", "fluid"),
+    *_each("external", "body", "wide", "drag", "drag"),
+    *_each("external", "body", "wide", "fluid", "fluid"),
     *_each("model", "law", "Material", "materials"),
     # the lists
     *_each("lists", "body", "int", "ends"),
     *_each("lists", "body", "int", "few", "not periodic", times=16),
     *_each("incidence", "body", "int", "start", more=1),
-    *_each("incidence", "body", "vec3", "own_force own_torque", "single"),
+    *_each("incidence", "body", "wide3", "own_force own_torque", "single"),
     *_each("incidence", "pair", "int", "pair", times=2),
     *_each("lists", "pair", "int", "keys", times=2),
     *_each("pairs", "pair", "int", "partner", copied=True),
@@ -131,7 +140,7 @@ ARRAYS = (
     *_each("pairs", "pair", "int", "start", more=1, copied=True),
     *_each("pairs", "pair", "vec3i", "image", "periodic", copied=True),
     *_each("pairs", "pair", "int", "hot_end", "hot_lists"),
-    *_each("pairs", "pair", "real", "cold", "hot_lists"),
+    *_each("pairs", "pair", "wide", "cold", "hot_lists"),
     *_each("pairs", "pair", "int", "looked", "braking", copied=True),
     *_each("pairs", "pair", "real", "fastest", "braking", copied=True),
     *_each("pairs", "pair", "vec3", "force torque_partner"),
@@ -140,20 +149,20 @@ ARRAYS = (
     *_each("search", "pair", "int", "rows", "polyhedra"),
     *_each("search", "row", "uint64", "hits", "polyhedra"),
     *_each("candidates", "candidate", "int64", "code", copied=True),
-    *_each("candidates", "candidate", "vec4", "past", copied=True),
-    *_each("candidates", "candidate", "vec4", "rolled", "rolling", copied=True),
+    *_each("candidates", "candidate", "wide4", "past", copied=True),
+    *_each("candidates", "candidate", "wide4", "rolled", "rolling", copied=True),
     *_each("candidates", "candidate", "real", "share", "shares", copied=True),
     *_each("candidates", "candidate", "real", "last", "avalanche", copied=True),
-    *_each("candidates", "candidate", "real", "clear", "hot_lists"),
+    *_each("candidates", "candidate", "wide", "clear", "hot_lists"),
     *_each("candidates", "candidate", "int", "hot", "hot_lists"),
     *_each("candidates", "candidate", "int", "which"),
     *_each("candidates", "candidate", "vec3", "normal point"),
     *_each("candidates", "candidate", "real", "gap"),
     # a periodic cell
     *_each("images", "body", "vec3i", "home", "periodic"),
-    *_each("images", "body", "vec3", "wrapped", "periodic"),
+    *_each("images", "body", "wide3", "wrapped", "periodic"),
     *_each("cell", "body", "vec3i", "spanning", "periodic"),
-    *_each("cell", "chunk", "mat33", "sums", "cell_sums"),
+    *_each("cell", "chunk", "wide33", "sums", "cell_sums"),
     # bonds
     *_each("bonds", "body", "int", "owned", "bonds", more=1),
     *_each("joined", "body", "int", "start", "bonds", more=1),
@@ -161,40 +170,40 @@ ARRAYS = (
     *_each("bonds", "interface", "int", "owner partner state mode step", "bonds"),
     *_each("bonds", "interface", "int", "start", "bonds", more=1),
     *_each("bonds", "interface", "BondLaw", "law", "bonds"),
-    *_each("bonds", "interface", "vec3", "force torque torque_partner", "bonds"),
-    *_each("bonds", "interface", "vec4", "energy", "bonds"),
-    *_each("bonds", "interface", "real", "power", "bonds"),
+    *_each("bonds", "interface", "wide3", "force torque torque_partner", "bonds"),
+    *_each("bonds", "interface", "wide4", "energy", "bonds"),
+    *_each("bonds", "interface", "wide", "power", "bonds"),
     *_each("bonds", "bond", "int64", "code", "bonds"),
-    *_each("bonds", "bond", "real", "rest gap", "bonds"),
-    *_each("bonds", "bond", "vec4", "held", "bonds"),
-    *_each("bonds", "bond", "vec3", "viscous", "bond_damping"),
-    *_each("bonds", "bond", "vec4", "bent", "bond_moments"),
-    *_each("bonds", "bond", "vec3", "normal point", "bonds"),
+    *_each("bonds", "bond", "wide", "rest gap", "bonds"),
+    *_each("bonds", "bond", "wide4", "held", "bonds"),
+    *_each("bonds", "bond", "wide3", "viscous", "bond_damping"),
+    *_each("bonds", "bond", "wide4", "bent", "bond_moments"),
+    *_each("bonds", "bond", "wide3", "normal point", "bonds"),
     # imposed motion: a row for each driven body and step of a block
     *_each("drives", "row of motion", "quat", "orientation", "driven"),
     *_each(
         "drives",
         "row of motion",
-        "vec3",
+        "wide3",
         "position velocity spin velocity_end spin_end",
         "driven",
     ),
     *_each(
         "drives",
         "row of motion",
-        "vec3",
+        "wide3",
         "force moment pressure loose loose_spin",
         "controlled",
     ),
     *_each(
         "drives",
         "driven body",
-        "vec3",
+        "wide3",
         "inverse_mass inverse_inertia damping spin_damping offset",
         "controlled",
     ),
-    *_each("drives", "driven body", "mat33", "now now_loose now_end", "controlled"),
-    *_each("drives", "driven body", "real", "area", "controlled", times=3),
+    *_each("drives", "driven body", "wide33", "now now_loose now_end", "controlled"),
+    *_each("drives", "driven body", "wide", "area", "controlled", times=3),
     *_each("drives", "driven body", "quat", "turn", "controlled"),
     # shapes
     *_each("geometry", "shape", "int", "vertex_start edge_start face_start", more=1),

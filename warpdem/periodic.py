@@ -10,7 +10,7 @@ import warp as wp
 from warpdem.allocation import allocate
 from warpdem.checks.cell import cell_control, spanning_axes
 from warpdem.kernels.cell import CHUNKS
-from warpdem.kernels.precision import mat33, real, vec3
+from warpdem.kernels.precision import wide, wide3, wide33
 from warpdem.kernels.views import Cell
 from warpdem.snapshot import CellState
 
@@ -76,7 +76,7 @@ def cell_of(
         "jump": still,
     }
     for name, value in tensors.items():
-        setattr(cell, name, one(value, mat33))
+        setattr(cell, name, one(value, wide33))
     numbers = {
         "inertia": control.inertia,
         "damping": control.damping,
@@ -88,8 +88,8 @@ def cell_of(
         "work": 0.0,
     }
     for name, value in numbers.items():
-        setattr(cell, name, one(value, real))
-    cell.centre = one(given.centre, vec3)
+        setattr(cell, name, one(value, wide))
+    cell.centre = one(given.centre, wide3)
     allocate(cell, "cell", "chunk", CHUNKS, features, device)
     spanning = spanning_axes(scene, placement, polyhedra)
     cell.spanning = wp.array(spanning.astype(np.int32), dtype=wp.vec3i, device=device)

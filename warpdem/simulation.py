@@ -20,12 +20,13 @@ from warpdem.crews import Crews
 from warpdem.devices import find_device
 from warpdem.drives import Blocks
 from warpdem.driving.plan import plan_of
-from warpdem.errors import UnstableError, WarpdemError
+from warpdem.errors import UnstableError
 from warpdem.features import features_of, stage_names
 from warpdem.filling.placement import place
 from warpdem.kernels.cell import CHUNKS
 from warpdem.kernels.integrate import orient
 from warpdem.lists import Lists
+from warpdem.opening import admit
 from warpdem.sleeping import Sleeping, note_of
 from warpdem.stages import (
     Stage,
@@ -82,8 +83,7 @@ class Simulation:
         threads: int | None = None,
         progress: Callable[[str], None] | None = None,
     ) -> None:
-        if scene.run.method != "smooth":
-            raise WarpdemError('run.method = "nonsmooth": fly it by warpdem.run, not a Simulation')
+        admit(scene)
         self.scene = scene
         tell = progress or (lambda _: None)
         tell("shapes")

@@ -15,7 +15,7 @@ from warpdem.kernels.falling_asleep import (
     fall_asleep,
 )
 from warpdem.kernels.gathering import gather
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import wide, wide3
 from warpdem.kernels.views import Candidates, Pairs, Sleep
 
 if TYPE_CHECKING:
@@ -44,11 +44,11 @@ def sleep_of(scene: Scene, features: Features, still: np.ndarray, device: Any) -
     sleep.asleep = wp.array(still.astype(np.int32), dtype=wp.int32, device=device)
     sleep.woken = wp.zeros(count, dtype=wp.int32, device=device)
     sleep.deep = wp.zeros(count, dtype=wp.int32, device=device)
-    sleep.slow = wp.zeros(count, dtype=real, device=device)
-    sleep.taken = wp.zeros(count, dtype=real, device=device)
-    sleep.allowed = wp.full(count, -1.0, dtype=real, device=device)
-    sleep.force = wp.zeros(count, dtype=vec3, device=device)
-    sleep.torque = wp.zeros(count, dtype=vec3, device=device)
+    sleep.slow = wp.zeros(count, dtype=wide, device=device)
+    sleep.taken = wp.zeros(count, dtype=wide, device=device)
+    sleep.allowed = wp.full(count, -1.0, dtype=wide, device=device)
+    sleep.force = wp.zeros(count, dtype=wide3, device=device)
+    sleep.torque = wp.zeros(count, dtype=wide3, device=device)
     return sleep
 
 
@@ -94,7 +94,7 @@ class Sleeping:
         model, state, lists = self._model, self._state, self._lists
         moved = [state.bodies]
         known = [lists.pairs, lists.incidence]
-        choice = [model.geometry, model.inertia, vec3(*model.gravity), *known]
+        choice = [model.geometry, model.inertia, wide3(*model.gravity), *known]
         self._launch(choose_sleepers, model.body_count, choice, moved)
         told = [*moved, state.account]
         self._launch(_fall_asleep(model.features), model.body_count, [model.inertia, *known], told)

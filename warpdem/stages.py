@@ -16,7 +16,7 @@ from warpdem.kernels.forces import pair_forces
 from warpdem.kernels.integrate import halt as halt_kernel
 from warpdem.kernels.laws import Laws
 from warpdem.kernels.meeting import meet as meet_kernel
-from warpdem.kernels.precision import vec3
+from warpdem.kernels.precision import wide3
 from warpdem.kernels.refresh import refresh
 from warpdem.kernels.rotation import (
     euler_drift,
@@ -142,7 +142,7 @@ def advance(
     arguments = (
         model.geometry,
         model.inertia,
-        vec3(*model.gravity),
+        wide3(*model.gravity),
         model.external,
         model.lever,
         dt,

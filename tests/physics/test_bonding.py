@@ -13,11 +13,11 @@ from warpdem.kernels.bonding import (
     leading,
     yielding,
 )
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import wide, wide3
 
 
 def numbers(*values):
-    return [real(value) for value in values]
+    return [wide(value) for value in values]
 
 
 def test_a_bond_pulls_as_it_pushes():
@@ -35,8 +35,8 @@ def test_force_of_a_bond_solves_its_implicit_equation():
 
 
 def test_shear_of_a_bond_solves_the_same_equation():
-    u, old = vec3(1.0, 2.0, 0.0), vec3(4.0, 0.0, 1.0)
-    f = np.array(glued_across(vec3(1.0, 0.0, 2.0), real(3.0), u, real(0.5), old))
+    u, old = wide3(1.0, 2.0, 0.0), wide3(4.0, 0.0, 1.0)
+    f = np.array(glued_across(wide3(1.0, 0.0, 2.0), wide(3.0), u, wide(0.5), old))
 
     expected = np.array([1.0, 0.0, 2.0]) + np.array([3.0, 6.0, 0.0]) + np.array([2.0, 0.0, 0.5])
     assert np.allclose(f, expected / 1.5)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import warp as wp
-from warpdem.kernels.precision import quat, real, vec3
+from warpdem.kernels.precision import quat, wide, wide3
 from warpdem.kernels.rotation import free_drift
 
 from scenes import laboratory, law
@@ -49,23 +49,23 @@ def principal_momentum(shots, moments):
 
 @wp.kernel(enable_backward=False)
 def spin_top(
-    moment: vec3,
-    weight: real,  # m g l [N m]
-    dt: real,
+    moment: wide3,
+    weight: wide,  # m g l [N m]
+    dt: wide,
     steps: int,
     q: wp.array(dtype=quat),
-    momentum: wp.array(dtype=vec3),
+    momentum: wp.array(dtype=wide3),
 ):
     """Kick-drift-kick of a body pinned at a point of its third axis; z is up."""
-    down = vec3(real(0.0), real(0.0), -weight)
-    axis = vec3(real(0.0), real(0.0), real(1.0))
+    down = wide3(wide(0.0), wide(0.0), -weight)
+    axis = wide3(wide(0.0), wide(0.0), wide(1.0))
     pose = q[0]
     spun = momentum[0]
     torque = wp.cross(wp.quat_rotate(pose, axis), down)
     for _ in range(steps):
         pose, spun = free_drift(pose, spun, torque, moment, dt)
         torque = wp.cross(wp.quat_rotate(pose, axis), down)
-        spun = spun + torque * (real(0.5) * dt)
+        spun = spun + torque * (wide(0.5) * dt)
     q[0] = pose
     momentum[0] = spun
 
@@ -78,11 +78,11 @@ def heavy_top(*, moments, weight, tilt, spin, times, dt):
     start = np.array([np.cos(tilt / 2.0), np.sin(tilt / 2.0), 0.0, 0.0])
     axis = np.array([0.0, -np.sin(tilt), np.cos(tilt)])
     q = wp.array([quat(*start[[1, 2, 3, 0]])], dtype=quat, device="cpu")
-    momentum = wp.array([vec3(*(moments[2] * spin * axis))], dtype=vec3, device="cpu")
+    momentum = wp.array([wide3(*(moments[2] * spin * axis))], dtype=wide3, device="cpu")
     orientations, momenta, done = [], [], 0
     for t in times:
         steps = round(t / dt) - done
-        inputs = [vec3(*moments), weight, dt, steps]
+        inputs = [wide3(*moments), weight, dt, steps]
         wp.launch(spin_top, dim=1, inputs=inputs, outputs=[q, momentum], device="cpu")
         done += steps
         orientations.append(q.numpy()[0, [3, 0, 1, 2]])

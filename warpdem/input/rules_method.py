@@ -26,6 +26,7 @@ ROCKFALL_OUTPUT = ("rasters", "cellsize", "formats", "trajectories", "trajectory
 SMOOTH_TABLES = ("cell", "force", "driver", "bond")
 SMOOTH_RUN = (
     *Numerics.model_fields,
+    "precision",
     "skin",
     "compat",
     "partnership",

@@ -130,8 +130,10 @@ class Run(Numerics):
     device: Annotated[str, AfterValidator(_device)] = "auto"
     """"auto" (a CUDA device if there is one), "cpu", "cuda" or "cuda:N"."""
 
-    precision: Literal["float64"] = "float64"
-    """Of positions, momenta and forces."""
+    precision: Literal["float64", "mixed"] = "float64"
+    """"mixed": shapes relative to a pair of bodies, and forces, in single precision; positions,
+    momenta, friction and energies in double. Gaps are then off by some 1e-7 of the distance of two
+    centres. Rockfall is in double precision throughout."""
 
     arithmetic: Literal["separate", "fused"] = "separate"
     """"fused": a product and a sum are rounded once, where the machine can; a fifth faster, and as

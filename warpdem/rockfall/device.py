@@ -20,7 +20,7 @@ from warpdem.kernels.fall_views import (
     Rules,
     Terrain,
 )
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import wide, wide3
 from warpdem.rockfall.nearby import around, cells_near
 
 if TYPE_CHECKING:
@@ -249,7 +249,7 @@ def _padded(rows: Sequence[Any]) -> np.ndarray:
 
 
 def _reals(values: Any, device: Any) -> wp.array:
-    return wp.array(np.ascontiguousarray(values, np.float64), dtype=real, device=device)
+    return wp.array(np.ascontiguousarray(values, np.float64), dtype=wide, device=device)
 
 
 def _whole(values: Any, device: Any) -> wp.array:
@@ -257,4 +257,4 @@ def _whole(values: Any, device: Any) -> wp.array:
 
 
 def _vectors(values: Any, device: Any) -> wp.array:
-    return wp.array(np.ascontiguousarray(values, np.float64), dtype=vec3, device=device)
+    return wp.array(np.ascontiguousarray(values, np.float64), dtype=wide3, device=device)

@@ -19,7 +19,7 @@ from warpdem.kernels.fall_views import (
 )
 from warpdem.kernels.fall_views import Flights as Slots
 from warpdem.kernels.launching import begin, pack
-from warpdem.kernels.precision import quat, real, vec3
+from warpdem.kernels.precision import quat, wide, wide3
 from warpdem.kernels.trajectory import advance
 from warpdem.loading import load_kernels
 from warpdem.rockfall.device import TRAVEL_CELLS, place_of
@@ -176,8 +176,8 @@ class Trajectories:
             "motion": (Motion, (slots,)),
             "window": (Window, (slots,)),
             "count": (wp.int32, (slots, len(COUNTS))),
-            "measure": (real, (slots, len(MEASURES))),
-            "percussion": (vec3, (slots, place.vertex_room)),
+            "measure": (wide, (slots, len(MEASURES))),
+            "percussion": (wide3, (slots, place.vertex_room)),
             "contact": (Contact, (slots, CONTACT_ROOM)),
             "iterates": (Iterates, (slots, CONTACT_ROOM)),
             "here": (Visit, (slots,)),
@@ -198,10 +198,10 @@ class Trajectories:
         given = (
             wp.array(slots.astype(np.int32), dtype=wp.int32, device=device),
             wp.array(starts.rock[rows].astype(np.int32), dtype=wp.int32, device=device),
-            wp.array(starts.position[rows], dtype=vec3, device=device),
+            wp.array(starts.position[rows], dtype=wide3, device=device),
             wp.array(orientation, dtype=quat, device=device),
-            wp.array(starts.velocity[rows], dtype=vec3, device=device),
-            wp.array(starts.spin[rows], dtype=vec3, device=device),
+            wp.array(starts.velocity[rows], dtype=wide3, device=device),
+            wp.array(starts.spin[rows], dtype=wide3, device=device),
         )
         shared = (place.terrain, place.rocks, place.rules, place.grid)
         self._run(self._begin, len(slots), (*shared, *given, self._slots))

@@ -9,6 +9,7 @@ from warpdem.errors import WarpdemError
 from warpdem.output import checkpoint as checkpoints
 from warpdem.output.folder import claimed
 from warpdem.output.scene_keys import flat_scene, refuse_differing
+from warpdem.precision import bind
 from warpdem.running.interrupts import Interrupts
 from warpdem.running.profile import profile_text, span_of
 from warpdem.running.progress import Progress
@@ -145,6 +146,7 @@ def _simulation(
     profile: Profile | None,
 ) -> Simulation:
     """The scene ready to run, from its checkpoint on if there is one."""
+    bind(scene.run.precision)
     with span_of(profile, "imports"):
         from warpdem.simulation import Simulation  # noqa: PLC0415 - loads Warp
     options = {"device": device, "threads": threads, "progress": progress.work}
