@@ -7,6 +7,7 @@ import functools
 
 import warp as wp
 from warpdem.kernels.bounds import bodies_near, widened
+from warpdem.kernels.guarding import Room
 from warpdem.kernels.precision import vec3, wide, wide3
 from warpdem.kernels.surfaces import surface_near
 from warpdem.kernels.variant import inlined, plain, variant
@@ -14,6 +15,8 @@ from warpdem.kernels.views import Bodies, Bonds, Geometry, Incidence, Inertia, P
 
 # so many partners of a body are kept while they are counted; blocks own 11 on average in a heap
 FEW = wp.constant(16)
+# the next step may be so many times as long as the last: accelerated, or of another dt
+MARGIN = wp.constant(wide(2.0))
 
 
 @inlined()
@@ -223,7 +226,9 @@ def set_reach(
     # model
     geometry: Geometry,
     inertia: Inertia,
+    room: Room,
     # in
+    dt: wide,
     ahead: wide,
     least: wide,
     most: wide,
@@ -234,7 +239,8 @@ def set_reach(
     """How far each body may go before the lists are renewed: its way in the time ``ahead`` [s].
 
     No less than ``least`` and no more than ``most`` [m], as lists that would last for ever cost
-    more in every step than they save. ``turns`` 0: turning moves nothing of free bodies.
+    more in every step than they save. One that may go through another is looked at on its way; what
+    it may meet in its next step is listed. ``turns`` 0: turning moves nothing of free bodies.
     """
     body = wp.tid()
     free = inertia.inverse_mass[body] > wide(0.0)
@@ -244,7 +250,10 @@ def set_reach(
     pace = wp.length(bodies.velocity[body])
     if turns != 0 or not free:
         pace += geometry.bound[body] * wp.length(bodies.spin[body])
-    bodies.reach[body] = wp.clamp(ahead * pace, least, most)
+    reach = wp.clamp(ahead * pace, least, most)
+    if pace > room.critical[body]:
+        reach = wp.min(reach, room.narrow[body])
+    bodies.reach[body] = wp.max(reach, MARGIN * pace * dt)
 
 
 @plain

@@ -32,6 +32,11 @@ def spheres():
     return Scene.model_validate({**GRAINS, "fill": [fill("grain", 400, 0.85)]})
 
 
+def apart():
+    far = {**fill("grain", 5000, 6.0), "spacing": 0.1}
+    return Scene.model_validate({**GRAINS, "fill": [far]})
+
+
 def blocks():
     return scene(heap(1, 60), shapes=[])
 
@@ -69,7 +74,7 @@ def shaken():
     )
 
 
-SCENES = {f.__name__: f for f in (spheres, blocks, dragged, bonded, periodic, shaken)}
+SCENES = {f.__name__: f for f in (spheres, apart, blocks, dragged, bonded, periodic, shaken)}
 
 
 def arrays_of(thing, path=(), seen=None):
@@ -128,6 +133,7 @@ def test_the_bytes_of_each_body_pair_and_candidate_are_those_allocated(simulatio
         "geometry": simulation._model.geometry,
         "inertia": simulation._model.inertia,
         "external": simulation._model.external,
+        "room": simulation._model.room,
         "incidence": lists.incidence,
         "pairs": lists.pairs,
         "candidates": lists.candidates,
@@ -150,6 +156,17 @@ def test_the_sum_is_true_within_a_tenth(simulation):
     found = sum(array.capacity for _, array in held(simulation))
     sizes = report.memory.sizes
     assert sum(sizes[per] * known.get(per, 0) for per in sizes) == pytest.approx(found, rel=0.1)
+
+
+def test_bodies_apart_take_what_is_said_of_bodies_alone():
+    scene = apart()
+    report, simulation = check(scene), Simulation(scene, device="cpu", threads=1)
+    assert simulation.report()["pairs"] == 0
+    sizes, counts = report.memory.sizes, report.memory.counts
+    said = sum(sizes[per] * counts[per] for per in ("body", "vertex"))
+    found = sum(array.capacity for _, array in held(simulation))
+    assert found == pytest.approx(said, rel=0.02)
+    assert found < report.memory.total
 
 
 def test_every_array_that_grows_with_the_scene_is_in_the_table(simulation):

@@ -19,6 +19,7 @@ from warpdem.kernels.views import Geometry, Inertia
 from warpdem.materials import materials
 from warpdem.model import Model, on
 from warpdem.periodic import cell_of
+from warpdem.room import room_of
 from warpdem.sleeping import sleep_of
 from warpdem.state import State, allocate_state
 
@@ -80,6 +81,7 @@ def build(
         solid_volume=_solid_volume(placement, shapes),
         trees=trees,
         gauges=gauges(device, plan),
+        room=room_of(scene, placement, polyhedra, geometry, device, contacts=features.contacts),
     )
     cell = cell_of(scene, placement, polyhedra, features, device)
     state = allocate_state(device, features, len(mass), arms, cell)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from warpdem.bonding import release_kernel
 from warpdem.kernels.bond_bound import bond_bound
 from warpdem.kernels.driving import wall_frequency
+from warpdem.kernels.guarding import measure_rush
 from warpdem.kernels.images import find_images, wrap_bodies
 from warpdem.kernels.integrate import orient
 from warpdem.kernels.measures import frequency_bound
@@ -68,6 +69,7 @@ def kernels_of(model: Model, state: State, lists: Lists, share: Share) -> dict[s
     kernels["history"] = history_kernel(has)
     kernels["incidence"] = incidence_keys
     kernels |= sleep_kernels(has)
+    kernels["measures of speed"] = measure_rush(periodic=has.periodic)
     kernels["measures"] = frequency_bound(has.partnership, periodic=has.periodic)
     if has.controlled:
         kernels["wall measures"] = wall_frequency

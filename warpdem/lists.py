@@ -110,6 +110,14 @@ class Lists:
         state.clock.halted.zero_()
         self.rebuilds += 1
 
+    def facts(self) -> dict[str, int]:
+        """How often they were made, and how long they are."""
+        return {
+            "rebuilds": self.rebuilds,
+            "pairs": self.pair_count,
+            "candidates": self.candidate_count,
+        }
+
     def locate(self) -> None:
         """Write where spheres touch; for others the pair kernel does."""
         model, state = self._model, self._state
@@ -134,6 +142,8 @@ class Lists:
             inputs=[
                 model.geometry,
                 model.inertia,
+                model.room,
+                dt,
                 AHEAD * dt,
                 least,
                 most,

@@ -128,6 +128,7 @@ ARRAYS = (
     *_each("external", "body", "wide", "drag", "drag"),
     *_each("external", "body", "wide", "fluid", "fluid"),
     *_each("model", "law", "Material", "materials"),
+    *_each("room", "body", "wide", "half lever critical narrow", "contacts"),
     # the lists
     *_each("lists", "body", "int", "ends"),
     *_each("lists", "body", "int", "few", "not periodic", times=16),

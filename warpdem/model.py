@@ -11,6 +11,7 @@ import warp as wp
 if TYPE_CHECKING:
     from warpdem.arrays import BoolArray, FloatArray, IntArray
     from warpdem.features import Features
+    from warpdem.kernels.guarding import Room
     from warpdem.kernels.views import External, Geometry, Inertia
 
 
@@ -41,6 +42,7 @@ class Model:
         solid_volume: Of the free bodies [m^3].
         trees: The feature trees, kept alive here.
         gauges: What measures the areas of pressures.
+        room: How far bodies may go into each other (see kernels.guarding).
     """
 
     device: Any
@@ -66,6 +68,7 @@ class Model:
     solid_volume: float
     trees: tuple[wp.Bvh, ...]
     gauges: wp.array
+    room: Room
 
     @property
     def body_count(self) -> int:

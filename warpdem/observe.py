@@ -169,15 +169,39 @@ def pair_energies(model: Model, state: State, lists: Lists) -> tuple[IntArray, F
     return lists.pairs.owner.numpy()[:count].copy(), elastic
 
 
-def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, float]:
+def _kinetic(model: Model, state: State) -> FloatArray:
+    """Kinetic energy of each free body, against the cell's flow [J], shape [free_count]."""
     free = model.free
     velocity, spin = velocities(model, state)
     velocity = velocity - flow(model, state)
     body_spin = rotate_back(_orientation(state), spin)[free]
-    mass = model.mass[free]
-    kinetic = 0.5 * np.sum(mass[:, None] * velocity[free] ** 2)
-    kinetic += 0.5 * np.sum(model.moment[free] * body_spin**2)
-    potential = -np.sum(mass * (state.bodies.position.numpy()[free] @ model.gravity))
+    moving = model.mass[free] * np.sum(velocity[free] ** 2, axis=1)
+    return 0.5 * (moving + np.sum(model.moment[free] * body_spin**2, axis=1))
+
+
+def _potential(model: Model, state: State) -> FloatArray:
+    """Potential energy of each free body [J], shape [free_count]."""
+    free = model.free
+    return -model.mass[free] * (state.bodies.position.numpy()[free] @ model.gravity)
+
+
+def stored_by(model: Model, state: State) -> FloatArray:
+    """Kinetic and potential energy of each body; 0 of fixed ones [J], shape [body_count]."""
+    energy = np.zeros(model.body_count)
+    energy[model.free] = _kinetic(model, state) + _potential(model, state)
+    return energy
+
+
+def balance_of(model: Model, state: State, lists: Lists) -> tuple[float, float]:
+    """Kinetic and elastic energy, and all that is stored less the work done on it [J]."""
+    kinetic, potential, elastic = _stored(model, state, lists)
+    bond = state.bonding.energies()[0] if state.bonding else 0.0
+    moving = kinetic + elastic + bond
+    return moving, moving + potential - sum(_works(model, state))
+
+
+def _stored(model: Model, state: State, lists: Lists) -> tuple[float, float, float]:
+    kinetic, potential = np.sum(_kinetic(model, state)), np.sum(_potential(model, state))
     elastic = 0.0
     if model.features.account:
         elastic = np.sum(state.account.pair.numpy()[: lists.pair_count, 0])
@@ -221,37 +245,3 @@ def _energy(model: Model, state: State, lists: Lists, start: float, dt: float) -
         bond=bond,
         broken=broken,
     )
-
-
-def fault(model: Model, state: State, dt: float) -> tuple[int, str]:
-    """The body that flew off first, and how."""
-    speed = np.linalg.norm(state.bodies.velocity.numpy() - flow(model, state), axis=1)
-    turn = np.linalg.norm(state.bodies.spin.numpy(), axis=1)
-    reach = (speed + 0.3 * turn * model.bound) * dt / model.bound
-    reach[~model.free & np.isfinite(reach)] = 0.0
-    bad = np.flatnonzero(~np.isfinite(reach))
-    if len(bad):
-        return int(bad[0]), "has no finite velocity (NaN)"
-    body = int(np.argmax(reach))
-    return body, f"moves {reach[body]:.3g} times its own size in one step"
-
-
-def sunk(model: Model, lists: Lists) -> list[tuple[int, int, float]]:
-    """Body pairs whose cores have met: i, j and their overlap [m], deepest contact of each.
-
-    Beyond the sum of the roundings an edge or a vertex may leave on the wrong side.
-    """
-    place, pair = slots(lists)
-    if not len(place):
-        return []
-    radius = model.geometry.radius.numpy()
-    owner, partner = lists.pairs.owner.numpy()[pair], lists.pairs.partner.numpy()[pair]
-    overlap = -lists.candidates.gap.numpy()[place]
-    reach = radius[owner] + radius[partner]
-    # sharp bodies have no rounding to exceed
-    deep = np.flatnonzero((overlap > reach) & (reach > 0.0))
-    worst: dict[tuple[int, int], float] = {}
-    for k in deep:
-        key = (int(owner[k]), int(partner[k]))
-        worst[key] = max(worst.get(key, 0.0), float(overlap[k]))
-    return [(i, j, depth) for (i, j), depth in worst.items()]

@@ -126,7 +126,7 @@ class ProfiledSimulation(Simulation):
         profile.watch(lists, _keep_old="copies of the old lists", _set_reach="reach")
         profile.watch(lists, _find_pairs="pairs", _link="pairs of partners", _carry="history")
         profile.watch(lists._search, find="candidates")  # noqa: SLF001 - of these lists alone
-        profile.watch(self, _examine_step="bound of the step", _note_sunk="depth of contacts")
+        profile.watch(self, _examine_step="bound of the step", _guard="guards", _pace="next step")
         profile.watch(self, _rows_left="drivers")
         super()._compile(progress)
 

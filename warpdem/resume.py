@@ -105,10 +105,12 @@ def put_back(
     if contacts:
         bodies.position.assign(saved["listed_position"])
         bodies.orientation.assign(saved["listed_orientation"])
+        bodies.reach.assign(saved.get("reach_listed", saved["reach"]))
         orient()
         _relist(state, lists, saved)
         bodies.position.assign(saved["position"])
         bodies.orientation.assign(saved["orientation"])
+        bodies.reach.assign(saved["reach"])
     _restore_cell(state, saved, edges="cell_edges")
     orient()
     if state.bonding and state.bonding.put_back(saved):

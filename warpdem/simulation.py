@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import warp as wp
 
 from warpdem import observe, resume
 from warpdem.bonds.creation import bonds_of
@@ -20,25 +20,18 @@ from warpdem.crews import Crews
 from warpdem.devices import find_device
 from warpdem.drives import Blocks
 from warpdem.driving.plan import plan_of
-from warpdem.errors import UnstableError
+from warpdem.energy_guard import EnergyGuard
 from warpdem.features import features_of, stage_names
 from warpdem.filling.placement import place
+from warpdem.first_forces import first_forces, orient_all
+from warpdem.guards import Guards, Instant
 from warpdem.kernels.cell import CHUNKS
-from warpdem.kernels.integrate import orient
 from warpdem.lists import Lists
 from warpdem.opening import admit
+from warpdem.pacing import Pacing
+from warpdem.relaxing import relaxed
 from warpdem.sleeping import Sleeping, note_of
-from warpdem.stages import (
-    Stage,
-    acting,
-    advance,
-    after_drift,
-    areas,
-    bonds,
-    cell,
-    cell_drift,
-    halt,
-)
+from warpdem.stages import Stage, advance, after_drift, cell_drift, halt
 from warpdem.state import cut
 from warpdem.step_bound import step_bound
 from warpdem.stepper import Stepper, launch
@@ -47,7 +40,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from warpdem.input.scene import Scene
+    from warpdem.model import Model
     from warpdem.snapshot import Snapshot
+    from warpdem.state import State
 
 # bodies a host thread must have for the meetings to pay: two a step, about 2 us each
 CREW_BODIES = 50
@@ -69,6 +64,7 @@ class Simulation:
 
     Attributes:
         scene, polyhedra, placement, features, plan: What the simulation was built from.
+        guards: What ends it where it is no longer physical.
         notes: Repairs and warnings, in words.
     """
 
@@ -91,6 +87,10 @@ class Simulation:
         self.polyhedra = build_shapes(scene)
         tell("places of bodies")
         self.placement = place(scene, self.polyhedra)
+        if scene.run.relax:
+            tell("overlaps at the start")
+            own = (self.placement, self.polyhedra)
+            self.placement = relaxed(Simulation, scene, *own, device=device, threads=threads)
         placed = (scene, self.placement, self.polyhedra)
         tell("bonds, time step, drivers")
         self.features = features_of(*placed)
@@ -112,21 +112,29 @@ class Simulation:
         self._whole = cut(self._state, count, 1, self.device)[0]
         sizes = sorted({1, self._crew_size()})
         self._crews = [cut(self._state, count, size, self.device) for size in sizes]
-        self._time, self._time_steps = 0.0, 0
+        self._pacing = Pacing(*placed, self.plan, self.dt, contacts=self.features.contacts)
+        self._kept: dict[float, tuple[tuple[Stage, ...], tuple[Stage, ...], Crews]] = {}
+        self._time, self._time_steps, self._changes = 0.0, 0, 0
         self._warned = False
-        self._sunk: set[tuple[int, int]] = set()
+        watched = (scene, self.placement.names, self._model, self._state, self._lists)
+        self.guards, self._energies = Guards(*watched), EnergyGuard(*watched)
         self._chunk = 1
         self.loop_seconds = 0.0
         self._compile(tell)
         tell("first forces")
         self._first_forces()
-        self._note_sunk()
+        self._guard()
         self._energy_start = observe.total_energy(self._model, self._state, self._lists)
 
     @property
     def body_count(self) -> int:
         """Number of bodies, fixed ones included."""
         return self._model.body_count
+
+    @property
+    def parts(self) -> tuple[Model, State, Lists]:
+        """What lies on the device: the model, the state, and the lists."""
+        return self._model, self._state, self._lists
 
     @property
     def step_count(self) -> int:
@@ -148,8 +156,12 @@ class Simulation:
         try:
             while (left := self._steps_to(until)) > 0 and not (stop is not None and stop()):
                 since = time.perf_counter()
-                self._run(self._sleeping.left(self.step_count, min(left, self._chunk)))
+                most = min(left, self._chunk)
+                for part in (self._energies, self._pacing, self._sleeping):
+                    most = part.left(self.step_count, most)
+                self._run(most)
                 self._sleeping.settle(self.step_count, self.dt)
+                self.notes += self._energies.look(self._instant())
                 spent = time.perf_counter() - since
                 if spent < PATIENCE:
                     self._chunk = min(2 * self._chunk, 1 << 20)
@@ -157,7 +169,7 @@ class Simulation:
                     self._chunk = max(self._chunk // 2, 1)
         finally:
             self.loop_seconds += time.perf_counter() - begin
-        self._note_sunk()
+        self._guard()
 
     def snapshot(self, *, contacts: bool = False) -> Snapshot:
         """The state now, on the host."""
@@ -183,19 +195,21 @@ class Simulation:
         """Everything that a later ``restore`` needs to go on bitwise."""
         clock = np.array([self._time, self.dt, self._next_dt, self._energy_start])
         counts = np.array([self._time_steps, self.step_count, self._lists.rebuilds])
-        kept = resume.arrays(self._state, self._lists)
+        kept = resume.arrays(self._state, self._lists) | self._energies.checkpoint()
+        if self._pacing.adapts:
+            kept["reach_listed"] = self._pacing.listed
         return {"clock": clock, "counts": counts, **kept}
 
     def restore(self, arrays: dict[str, np.ndarray]) -> None:
         """Take up the state of a checkpoint of the same scene."""
         self._time, self.dt, self._next_dt, self._energy_start = map(float, arrays["clock"])
         self._time_steps = int(arrays["counts"][0])
-        contacts = self.features.contacts
-        resume.put_back(self._state, self._lists, arrays, orient=self._orient, contacts=contacts)
+        contacts, turned = self.features.contacts, partial(orient_all, self._model, self._state)
+        resume.put_back(self._state, self._lists, arrays, orient=turned, contacts=contacts)
         self._lists.rebuilds = int(arrays["counts"][2])
         self._state.clock.steps.fill_(int(arrays["counts"][1]))
         self._blocks.forget()
-        self._stepper.close()
+        self._energies.restore(arrays)
         self._make_stages()
 
     def report(self) -> dict[str, Any]:
@@ -204,11 +218,10 @@ class Simulation:
             "bodies": self.body_count,
             "steps": self.step_count,
             "dt": self.dt,
+            "dt_changes": self._changes,
             "loop_seconds": self.loop_seconds,
             "compile_seconds": self.compile_seconds,
-            "rebuilds": self._lists.rebuilds,
-            "pairs": self._lists.pair_count,
-            "candidates": self._lists.candidate_count,
+            **self._lists.facts(),
             "device": str(self.device),
             "threads": self._stepper.best,
             "cycles_by_threads": self._stepper.done,
@@ -230,16 +243,21 @@ class Simulation:
         self.compile_seconds = load(self._model, self._state, self._lists, share, progress)
 
     def _make_stages(self) -> None:
-        model, state, lists = self._model, self._state, self._lists
-        self._drift = (
-            *cell_drift(model, state, self._whole, self.dt),
-            advance(model, state, lists, self._whole, self.dt, kicks=False, drifts=True),
-            halt(self._whole),
+        """The stages of a step of ``dt``, and who takes them: those of each dt are kept."""
+        if self.dt not in self._kept:
+            self._kept[self.dt] = self._stages_of(self.dt)
+        self._drift, self._after, self._stepper = self._kept[self.dt]
+        self._stepper.prepare()
+
+    def _stages_of(self, dt: float) -> tuple[tuple[Stage, ...], tuple[Stage, ...], Crews]:
+        model, state, lists, whole = self._model, self._state, self._lists, self._whole
+        drift = (
+            *cell_drift(model, state, whole, dt),
+            advance(model, state, lists, whole, dt, kicks=False, drifts=True),
+            halt(whole),
         )
-        self._after = after_drift(model, state, lists, self._whole, self.dt)
-        self._stepper = Crews(
-            [self.stepper(model, state, lists, shares, self.dt) for shares in self._crews]
-        )
+        crews = [self.stepper(model, state, lists, shares, dt) for shares in self._crews]
+        return drift, after_drift(model, state, lists, whole, dt), Crews(crews)
 
     def _launch(self, *stages: Stage) -> None:
         owners = self.body_count if self.features.single else self._lists.pair_count
@@ -251,51 +269,12 @@ class Simulation:
             count |= {"gauges": len(self._model.gauges), "one": 1}
             launch(stage, count[stage.over], self.device)
 
-    def _orient(self) -> None:
-        """Rotation matrices and vertices of all bodies from their orientations."""
-        wp.launch(
-            orient,
-            dim=self.body_count,
-            inputs=[self._model.geometry],
-            outputs=[self._state.bodies],
-            device=self.device,
-        )
-
     def _first_forces(self) -> None:
-        """Forces at time zero: the stages of a step with dt = 0."""
-        model, state, lists = self._model, self._state, self._lists
-        self._orient()
-        wp.copy(state.bodies.listed_position, state.bodies.position)
-        wp.copy(state.bodies.listed_orientation, state.bodies.orientation)
-        whole = self._whole
-        self._blocks.at_rest()
-        self._launch(advance(model, state, lists, whole, 0.0, kicks=False, drifts=True))
-        if len(model.gauges):
-            self._launch(areas(model, state, whole))
-        contacts = self.features.contacts
-        if contacts:
-            lists.rebuild(self.dt)
-        else:
-            state.bodies.reach.fill_(float("inf"))
-        first = self.features.first_step
-        if contacts and first != "gravity":
-            if first == "forces":
-                # exaDEM's friction springs are already one step old at time zero
-                self._launch(*acting(model, state, lists, whole, self.dt))
-                self._launch(advance(model, state, lists, whole, 0.0, kicks=True, drifts=False))
-                state.bodies.torque.zero_()
-            else:
-                self._launch(*after_drift(model, state, lists, whole, 0.0))
-                lists.change_step(0.0, self.dt)
-            lists.locate()
-            self._examine_step()
-            self._lower_step()
-        else:
-            self._launch(*cell(model, state, lists, whole, 0.0, onward=False))
-            alone = advance(
-                model, state, lists, whole, 0.0, kicks=True, drifts=False, contacts=False
-            )
-            self._launch(*bonds(model, state, whole, 0.0), alone)
+        """Forces at time zero, and the first step."""
+        parts = (self._model, self._state, self._lists, self._whole, self._blocks)
+        if first_forces(*parts, dt=self.dt, launch=self._launch):
+            self._pace(self._examine_step())
+            self._change_clock()
         self._make_stages()
 
     def _steps_to(self, until: float) -> int:
@@ -308,6 +287,8 @@ class Simulation:
 
     def _run(self, count: int) -> None:
         """``count`` whole steps, fewer when the step size has to change."""
+        if self._pacing.due(self.step_count):
+            self._state.clock.moved.fill_(1)
         self._rows_left()
         self._launch(*self._drift)
         self._resolve()
@@ -331,70 +312,66 @@ class Simulation:
         """Act on what the clock says: name what flew off, renew the lists."""
         clock = self._state.clock
         if clock.fault.numpy()[0]:
-            self._name_fault()
+            self.guards.name_fault(self._instant())
         if not clock.moved.numpy()[0]:
             return
         self._lists.locate()
-        self._examine_step()
+        self._guard()
+        bound = self._examine_step()
         self._lists.rebuild(self.dt)
+        self._pace(bound)
         if bonding := self._state.bonding:
             yielded = self.time - self.dt
             bonding.resolve(self._model, self._state, self._lists, dt=self.dt, time=yielded)
         self._stepper.prepare()
 
-    def _name_fault(self) -> None:
-        body, what = observe.fault(self._model, self._state, self.dt)
-        name = self.placement.names[body]
-        raise UnstableError(
-            f'body "{name}" {what} at t = {self.time:.9g} s (step {self.step_count}); '
-            f"lower run.dt (now {self.dt:.3g} s) or the stiffness, or look for bodies that overlap "
-            f"at the start",
-            body=name,
-            time=self.time,
-        )
+    def _instant(self) -> Instant:
+        return Instant(self.time, self.step_count, self.dt)
 
-    def _note_sunk(self) -> None:
-        """Name, once, the bodies whose cores have met."""
-        for i, j, depth in observe.sunk(self._model, self._lists):
-            if (i, j) not in self._sunk:
-                self._sunk.add((i, j))
-                names = self.placement.names
-                mend = "raise kn, or the rounding" if self.step_count else "move them apart"
-                self.notes.append(
-                    f'bodies "{names[i]}" and "{names[j]}" overlap by {depth:.3g} m at '
-                    f"t = {self.time:.4g} s, more than their roundings: {mend}"
-                )
+    def _guard(self) -> None:
+        """Look at the numbers and at the depths of the contacts of the last force pass."""
+        self.notes += self.guards.look(self._instant())
 
-    def _examine_step(self) -> None:
-        """Hold the step against the stiffness of the contacts that the old lists saw."""
+    def _pace(self, bound: float) -> None:
+        """Choose the next step: ``bound`` is of the contacts, speeds are those in the new lists."""
+        pacing = self._pacing
+        rush = self.guards.step_limit(self._instant(), may_lower=pacing.lowers)
+        limit = min(pacing.contact_limit(bound), rush)
+        self._next_dt = pacing.next(self._next_dt, limit)
+        if pacing.adapts:
+            self._next_dt = pacing.grown(
+                self._next_dt, limit, self._model, self._state, self._lists
+            )
+
+    def _examine_step(self) -> float:
+        """Bound of the step by the contacts that the old lists saw [s]; told where it is passed."""
         bound = self.step_bound()
-        if self.scene.run.dt == "auto":
-            while self._next_dt > 0.5 * bound:
-                self._next_dt *= 0.5
-        elif self.dt > bound and not self._warned:
+        if self.dt > bound and not (self._warned or self._pacing.lowers):
             self._warned = True
             self.notes.append(
                 f"dt = {self.dt:.4g} s is above the stability bound {bound:.4g} s of the contacts "
                 f"at t = {self.time:.4g} s"
             )
+        return bound
 
     def step_bound(self) -> float:
         """Largest stable step for the contacts that touch now [s]; infinite without any."""
         return step_bound(self._model, self._state, self._lists)
 
-    def _lower_step(self) -> None:
+    def _change_clock(self) -> None:
         if self._next_dt == self.dt:
             return
-        self.notes.append(
-            f"dt lowered from {self.dt:.4g} to {self._next_dt:.4g} s at t = {self.time:.4g} s: "
-            f"more contacts share a body than foreseen"
-        )
+        if not self._pacing.adapts:
+            self.notes.append(
+                f"dt lowered from {self.dt:.4g} to {self._next_dt:.4g} s at t = {self.time:.4g} s: "
+                f"more contacts share a body than foreseen, or bodies are faster"
+            )
         self._time, self._time_steps = self.time, self.step_count
         self._lists.change_step(self.dt, self._next_dt)
         self.dt = self._next_dt
         self._blocks.forget()
 
     def _change_step(self) -> None:
-        self._lower_step()
-        self._stepper.close()
+        self._change_clock()
+        self._changes += 1
         self._make_stages()

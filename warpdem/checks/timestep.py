@@ -262,8 +262,11 @@ def _pairs(
             yield law.kn, float(1.0 / (1.0 / first + 1.0 / second))
 
 
-def _kinds(placement: Placement) -> IntArray:
-    """The smallest free body of each shape, group and density; smaller bodies bound the step."""
+def _kinds(placement: Placement) -> tuple[IntArray, IntArray]:
+    """The smallest free body of each shape, group and density, and of which kind each free one is.
+
+    Smaller bodies bound the step.
+    """
     density = placement.density
     free = np.flatnonzero(~placement.fixed)
     order = free[
@@ -274,16 +277,22 @@ def _kinds(placement: Placement) -> IntArray:
     keys = np.stack([placement.shape[order], placement.group[order], density[order]], axis=1)
     first = np.ones(len(order), dtype=bool)
     first[1:] = np.any(keys[1:] != keys[:-1], axis=1)
-    return order[first]
+    kind = np.empty(len(placement.fixed), dtype=np.int64)
+    kind[order] = np.cumsum(first) - 1
+    return order[first], kind[free]
 
 
-def _bound(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]) -> float:
-    """Stability bound of the densest contacts foreseen [s]."""
+def foreseen(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]) -> FloatArray:
+    """Largest stable step of each body in the densest contacts foreseen [s], shape [body_count].
+
+    Infinite for fixed bodies, and for those that nothing can touch.
+    """
     mass, moments = masses(placement, polyhedra)
     shapes = list(polyhedra.values())
     laws = _laws(scene, placement)
-    highest = 0.0
-    for body in _kinds(placement):
+    smallest, kind = _kinds(placement)
+    squares = np.zeros(len(smallest))
+    for number, body in enumerate(smallest):
         group = placement.groups[placement.group[body]]
         own = [law for pair, law in laws.items() if group in pair]
         arms, normals, share = loaded_points(shapes[placement.shape[body]])
@@ -291,9 +300,18 @@ def _bound(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedro
         kn, kt, kr = (share * k for k in stiffness)
         kn *= _steepening(scene)
         arms = arms * placement.scale[body]
-        square = block_bound(float(mass[body]), moments[body], arms, normals, (kn, kt, kr))
-        highest = max(highest, square)
-    return 2.0 / sqrt(highest) * _damped_share(scene, laws) if highest > 0.0 else inf
+        squares[number] = block_bound(float(mass[body]), moments[body], arms, normals, (kn, kt, kr))
+    free = ~placement.fixed
+    steps = np.full(len(free), inf)
+    with np.errstate(divide="ignore"):
+        of_smallest = 2.0 / np.sqrt(squares) * _damped_share(scene, laws)
+        steps[free] = of_smallest[kind] * np.sqrt(mass[free] / mass[smallest][kind])
+    return steps
+
+
+def _bound(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron]) -> float:
+    """Stability bound of the densest contacts foreseen [s]."""
+    return float(foreseen(scene, placement, polyhedra).min(initial=inf))
 
 
 def _steepening(scene: Scene) -> float:

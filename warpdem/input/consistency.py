@@ -10,6 +10,7 @@ from warpdem.input.rules_cell import CELL_RULES
 from warpdem.input.rules_contact import attraction, dashpot, laws_of_their_own, programs
 from warpdem.input.rules_driver import DRIVER_RULES
 from warpdem.input.rules_force import forces
+from warpdem.input.rules_guards import GUARD_RULES
 from warpdem.input.rules_method import METHOD_RULES
 from warpdem.input.rules_release import RULES as RELEASE_RULES
 from warpdem.input.rules_rockfall import ROCKFALL_RULES
@@ -178,6 +179,7 @@ RULES = (
     *BOND_RULES,
     *METHOD_RULES,
     *SLEEP_RULES,
+    *GUARD_RULES,
     *ROCKFALL_RULES,
     *RELEASE_RULES,
 )

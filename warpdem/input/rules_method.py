@@ -27,12 +27,16 @@ SMOOTH_TABLES = ("cell", "force", "driver", "bond")
 SMOOTH_RUN = (
     *Numerics.model_fields,
     "precision",
+    "adaptive_dt",
     "skin",
     "compat",
     "partnership",
     "partnership_exponent",
     "cohesion",
     "list_distance",
+    "overlap",
+    "relax",
+    "energy_guard",
     "sleep",
 )
 

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
+from warpdem.input.scene_guards import EnergyGuard, Relax
 from warpdem.input.scene_values import NotNegative, Positive, Section
 
 
@@ -123,6 +124,11 @@ class Run(Numerics):
     """Time step [s]; "auto": a twentieth of the shortest contact and half of the stability bound,
     then reduced to divide output.every. Of "nonsmooth" the largest step; "auto": 5e-3."""
 
+    adaptive_dt: bool = False
+    """The step changes, by powers of two times dt, as bodies come and go: longer while nothing can
+    touch, or only what is larger or softer than dt is chosen for; shorter where contacts or speeds
+    ask for it. Frames come at the nearest step."""
+
     method: Literal["smooth", "nonsmooth"] = "smooth"
     """"smooth": deformable contacts, resolved in time; "nonsmooth": rockfall, each rock alone on
     hard ground, with impulses."""
@@ -167,6 +173,12 @@ class Run(Numerics):
     the repulsion, without a jump; "documented", the force is held at -fc up to an overlap of dncut
     and may pull without bound beyond, with a jump at touch."""
 
+    overlap: Literal["stop", "note"] = "stop"
+    """What becomes of a run in which two bodies overlap so far that they would come out on the
+    other side (.75 of the way to the middle of the thinner, roundings included): "stop" with their
+    names; "note" and go on. At the start it is an error from .5 of the way on, unless [run.relax]
+    pushes them apart."""
+
     stride: NotNegative = 0.03
     """Of "nonsmooth": longest way of any point of a rock in a step, over its bounding radius [-];
     0: all steps have run.dt."""
@@ -188,6 +200,12 @@ class Run(Numerics):
 
     sleep: Sleep | None = None
     """[run.sleep]: bodies at rest may sleep; default: none does."""
+
+    relax: Relax | None = None
+    """[run.relax]: bodies that overlap are pushed apart before the run; default: they are not."""
+
+    energy_guard: EnergyGuard | None = None
+    """[run.energy_guard]: energy that grows is told; default: nobody looks."""
 
     list_distance: Positive | None = None
     """Rockable's dVerlet [m]: features farther apart are unseen until lists are renewed; only with
