@@ -5,6 +5,7 @@ once, side by side, and its time counts from the touch.
 """
 
 import numpy as np
+from gates import gate
 
 from scenes import ball, body, laboratory, law, record
 
@@ -163,7 +164,7 @@ class Grazing:
         slip: Of the contact point along the slide, the difference of the two [m/s].
     """
 
-    SLOW = 1e-5
+    SLOW = gate(1e-5, mixed=1e-2)
 
     def __init__(self, *, mass, rules, fall, slide=0.0, spin=0.0, steps, duration, beta=0.4, **run):
         dt = duration / steps

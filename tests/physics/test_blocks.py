@@ -13,6 +13,7 @@ from blocks import (
     on_slope,
     overhang,
 )
+from gates import gate, not_in_mixed
 
 from warpdem.errors import SceneError
 
@@ -90,9 +91,10 @@ def test_column_of_balls_settles_to_the_weights_above():
     column = Column(count=count, k=k, g=G, dt=3e-4, zeta=1.0, overlaps=1.1 * expected)
     slowest = chain_mode(count, 1)[0]
     column.simulation.advance(22.0 * np.sqrt(2.0 / k) / slowest**2)
-    assert column.overlaps() == pytest.approx(expected, rel=1e-8)
+    assert column.overlaps() == pytest.approx(expected, rel=gate(1e-8, mixed=2e-3))
 
 
+@not_in_mixed("it starts from a disturbance below the rounding of gaps")
 @pytest.mark.parametrize(("count", "number"), [(2, 1), (2, 2), (10, 1), (10, 10)])
 def test_modes_of_a_column_have_the_frequencies_of_a_chain(count, number):
     k = 1e6
@@ -111,6 +113,7 @@ def test_step_bound_lies_just_below_the_limit_of_a_column():
     assert 0.9 * limit < column.simulation.step_bound() <= limit
 
 
+@not_in_mixed("it starts from a disturbance below the rounding of gaps")
 def test_column_is_stable_below_two_over_its_highest_frequency_and_not_above():
     k, count = 1e6, 3
     limit = 2.0 / (chain_mode(count, count)[0] * np.sqrt(k))
@@ -118,6 +121,7 @@ def test_column_is_stable_below_two_over_its_highest_frequency_and_not_above():
     assert found == pytest.approx(limit, rel=2e-3)
 
 
+@not_in_mixed("it starts from a disturbance below the rounding of gaps")
 @pytest.mark.parametrize("zeta", [0.0, 0.2, 1.0])
 def test_damping_takes_nothing_from_the_step_of_a_single_contact(zeta):
     ball = {"count": 1, "k": 1e5, "g": G, "zeta": zeta, "steps": 2000}
@@ -126,6 +130,7 @@ def test_damping_takes_nothing_from_the_step_of_a_single_contact(zeta):
     assert growth(dt=1.02 * limit, **ball) > 1e3
 
 
+@not_in_mixed("it starts from a disturbance below the rounding of gaps")
 def test_damping_of_the_last_velocity_takes_its_known_share_of_the_step():
     zeta = 1.0
     limit = 2.0 / np.sqrt(1e5) * (hypot(1.0, zeta) - zeta)

@@ -5,6 +5,7 @@ from math import acos, acosh, atan, cos, exp, pi, sin, sqrt
 import numpy as np
 import pytest
 from blocks import corner_impact, rotated, turned_about
+from gates import gate, not_in_mixed
 from impacts import (
     PHASES,
     Collision,
@@ -63,7 +64,7 @@ def test_elastic_ball_keeps_its_speed():
 
 def test_restitution_does_not_depend_on_mass_and_speed():
     got = restitution(steps=50, **against_the_floor(0.3, mass=250.0, speed=7.0))
-    assert rms(got - restitution(steps=50, **against_the_floor(0.3))) < 1e-12
+    assert rms(got - restitution(steps=50, **against_the_floor(0.3))) < gate(1e-12, mixed=1e-5)
 
 
 def test_ball_is_not_thrown_back_less_than_a_bilateral_dashpot_pulls():
@@ -156,19 +157,20 @@ def test_contact_point_that_sticks_swings_back():
     # kt (1 + 1/beta) = kn: half a tangential period in the time of contact
     fall, slide, beta = 1.0, 0.3, 0.4
     hit = grazing(mu=1.0, ratio=beta / (1.0 + beta), beta=beta, fall=fall, slide=slide)
-    assert rms(hit.slip + slide) < 1e-5
+    assert rms(hit.slip + slide) < gate(1e-5, mixed=2e-4)
     impulse = 2.0 * slide / (1.0 + 1.0 / beta)
-    assert rms(hit.along - (slide - impulse)) < 1e-5
+    assert rms(hit.along - (slide - impulse)) < gate(1e-5, mixed=2e-4)
 
 
 @pytest.mark.parametrize("spin", [-1.0, -4.0])
 def test_spinning_ball_gains_mu_times_the_normal_impulse(spin):
     fall, mu, beta = 0.2, 0.4, 0.4
     hit = grazing(mu=mu, beta=beta, fall=fall, spin=spin)
-    assert rms(hit.along - 2.0 * mu * fall) < 1e-5
-    assert rms(hit.turning - (-spin - 2.0 * mu * fall / beta)) < 1e-5
+    assert rms(hit.along - 2.0 * mu * fall) < gate(1e-5, mixed=5e-5)
+    assert rms(hit.turning - (-spin - 2.0 * mu * fall / beta)) < gate(1e-5, mixed=2e-4)
 
 
+@not_in_mixed("the touch is known to the rounding of gaps only, and the slide is fast")
 def test_friction_of_a_fast_slide_takes_its_impulse_from_the_dashpots_first_instant_too():
     # the dashpot's force jumps at the touch, somewhere within a step
     zeta, mu, beta = 0.8, 0.2, 0.4
@@ -209,6 +211,7 @@ def test_oblique_impacts_that_stick_and_slip_in_turn():
     assert slip_errors(100).max() < 1e-3
 
 
+@not_in_mixed("fine steps meet the rounding of gaps before the square of the step")
 def test_error_of_oblique_impacts_falls_with_the_square_of_the_step():
     assert order_of(lambda n: rms(slip_errors(n)), (25, 50, 100, 200)) > 1.8
 
@@ -264,4 +267,4 @@ def test_corner_blow_nears_the_rigid_one_with_the_root_of_the_stiffness(e):
     soft, stiff = corner_error(1e8, e=e), corner_error(1e10, e=e)
     assert stiff[0] < 2e-3 * 2.0
     assert stiff[1] < 2e-3 * 8.0
-    assert soft[0] / stiff[0] == pytest.approx(10.0, rel=0.2)
+    assert soft[0] / stiff[0] == pytest.approx(10.0, rel=gate(0.2, mixed=0.3))

@@ -23,9 +23,8 @@ wp.config.cpu_compiler_flags = wp.config.cpu_compiler_flags.replace(
     "-march=native", "-target-cpu x86-64-v3"
 )
 
-from speed.worker import advance, described  # noqa: E402 - after the flags
-from warpdem import simulation as stepping  # noqa: E402 - the same
-from warpdem.input.decode import load  # noqa: E402 - the same
+from warpdem.input.decode import load  # noqa: E402 - after the flags
+from warpdem.precision import bind  # noqa: E402 - the same
 
 START, STOP = 0x43540004, 0x43540005
 """Callgrind's requests to start and stop instrumentation."""
@@ -55,8 +54,13 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=100)
     asked = parser.parse_args()
     gc.disable()
+    scene = load(asked.scene)
+    bind(scene.run.precision)
+    from speed.worker import advance, described  # noqa: PLC0415 - once the precision is bound
+    from warpdem import simulation as stepping  # noqa: PLC0415 - the same
+
     stepping.PATIENCE = inf  # no look at the clock: each run asks the host equally often
-    simulation = stepping.Simulation(load(asked.scene), device="cpu", threads=1)
+    simulation = stepping.Simulation(scene, device="cpu", threads=1)
     advance(simulation, asked.warm)
     counter, before = Counter(), simulation.step_count
     counter.ask(START)
