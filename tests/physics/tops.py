@@ -5,7 +5,7 @@ import functools
 import numpy as np
 import warp as wp
 from warpdem.kernels.precision import quat, wide, wide3
-from warpdem.kernels.rotation import free_drift
+from warpdem.kernels.rotation import free_drift, free_torque, inverse_inertia
 
 from scenes import laboratory, law
 from warpdem.geometry.orientation import product, turned
@@ -50,8 +50,8 @@ def principal_momentum(shots, moments):
 
 
 @functools.cache
-def spin_top(drift):
-    """Kernel of kick-drift-kick of a body pinned at a point of its third axis; z is up."""
+def spin_top(drift, torque_of):
+    """Kernel of kick-drift-kick of bodies pinned at a point of their third axis; z is up."""
 
     @wp.kernel(enable_backward=False, module="unique")
     def spin_top(
@@ -67,10 +67,12 @@ def spin_top(drift):
         axis = wide3(wide(0.0), wide(0.0), wide(1.0))
         pose = q[top]
         spun = momentum[top]
-        torque = wp.cross(wp.quat_rotate(pose, axis), down)
+        spin = inverse_inertia(pose, moment, spun)
+        torque = torque_of(wp.cross(wp.quat_rotate(pose, axis), down), spin, spun)
         for _ in range(steps):
             pose, spun = drift(pose, spun, torque, moment, dt)
-            torque = wp.cross(wp.quat_rotate(pose, axis), down)
+            spin = inverse_inertia(pose, moment, spun)
+            torque = torque_of(wp.cross(wp.quat_rotate(pose, axis), down), spin, spun)
             spun = spun + torque * (wide(0.5) * dt)
         q[top] = pose
         momentum[top] = spun
@@ -78,20 +80,22 @@ def spin_top(drift):
     return spin_top
 
 
-def heavy_top(*, moments, weight, tilt, spin, times, dt, drift=free_drift):
+def heavy_top(*, moments, weight, tilt, spin, times, dt, how=(free_drift, free_torque), copies=1):
     """Orientations w, x, y, z and angular momenta at ``times`` of a top let go with its spin.
 
-    Moments about the pinned point; ``weight`` is m g l [N m]; ``drift`` of kernels.rotation.
+    Moments about the pinned point; ``weight`` is m g l [N m]; ``how`` are a drift and a torque of
+    kernels.rotation; ``copies`` are run for their cost.
     """
     start = np.array([np.cos(tilt / 2.0), np.sin(tilt / 2.0), 0.0, 0.0])
     axis = np.array([0.0, -np.sin(tilt), np.cos(tilt)])
-    q = wp.array([quat(*start[[1, 2, 3, 0]])], dtype=quat, device="cpu")
-    momentum = wp.array([wide3(*(moments[2] * spin * axis))], dtype=wide3, device="cpu")
+    pose, spun = quat(*start[[1, 2, 3, 0]]), wide3(*(moments[2] * spin * axis))
+    q = wp.array([pose] * copies, dtype=quat, device="cpu")
+    momentum = wp.array([spun] * copies, dtype=wide3, device="cpu")
     orientations, momenta, done = [], [], 0
     for t in times:
         steps = round(t / dt) - done
         inputs = [wide3(*moments), weight, dt, steps]
-        wp.launch(spin_top(drift), dim=1, inputs=inputs, outputs=[q, momentum], device="cpu")
+        wp.launch(spin_top(*how), dim=copies, inputs=inputs, outputs=[q, momentum], device="cpu")
         done += steps
         orientations.append(q.numpy()[0, [3, 0, 1, 2]])
         momenta.append(momentum.numpy()[0])

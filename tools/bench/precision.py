@@ -1,0 +1,75 @@
+"""Run time against error: what accuracy costs, by case and setting, beside other programs.
+
+    python tools/bench/precision.py [CASE ...] [--quick] [--proof] [--plots DIR] [--json FILE]
+                                    [--peers] [--peers-python PYTHON]
+
+Each case is run with a ladder of steps in every setting that applies; the error is that of the
+state at its end, against a closed form or a far finer run. Seconds are those of the loop alone,
+warm, the best of three that take turns; many copies share a scene, so that they are physics and
+not launches. The table tells the order, and seconds and steps at an error of 1e-3 and 1e-6; the
+plots have run time on x and error on y. --quick: the coarser half of each ladder, once. --peers:
+other programs too, where they are installed; PYTHON has mujoco, pybullet, Kratos. --proof prints
+what is to be met; exit status 1 if something is not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), *(str(ROOT / "tests" / part) for part in (".", "physics", "rockfall"))]
+
+from precision_cases import CASES  # noqa: E402 - found through the path above
+from precision_cases.measuring import Workers, measured  # noqa: E402
+from precision_cases.proof import proofs  # noqa: E402
+from precision_cases.report import HEAD, draw, row  # noqa: E402
+
+QUICK = 4
+"""Rungs of a ladder that --quick runs."""
+
+
+def asked() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("case", nargs="*", help=f"of {', '.join(CASES)}; default: all")
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--proof", action="store_true")
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--plots", type=Path)
+    parser.add_argument("--json", type=Path)
+    found = parser.parse_args()
+    if unknown := {*found.case} - {*CASES}:
+        parser.error(f"no case {', '.join(unknown)}; there are: {', '.join(CASES)}")
+    return found
+
+
+def main() -> int:
+    options = asked()
+    curves = []
+    how = {"rungs": QUICK, "repeats": 1} if options.quick else {"rungs": None}
+    how = {"repeats": options.repeats} | how
+    print(HEAD)
+    with Workers() as workers:
+        for name in options.case or CASES:
+            begin = time.perf_counter()
+            case = CASES[name]
+            found, _ = measured(case, workers, **how)
+            curves += found
+            print("\n".join(row(curve) for curve in found))
+            print(f"# {name}: {case.what}; {time.perf_counter() - begin:.0f} s", flush=True)
+            if options.plots:
+                options.plots.mkdir(parents=True, exist_ok=True)
+                draw(case, found, options.plots / f"{name}.png")
+    if options.json:
+        text = json.dumps([curve.as_dict() for curve in curves], indent=1)
+        options.json.write_text(text + "\n", encoding="utf-8")
+    lines = list(proofs(curves)) if options.proof else []
+    print("\n".join(str(line) for line in lines))
+    return 0 if all(line.passes for line in lines) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,143 @@
+"""Runs of all settings of a case: errors once, times in turn."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from precision_cases.curves import Curve
+from precision_cases.settings import SETTINGS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Self
+
+    from precision_cases.case import Case
+    from precision_cases.settings import Setting
+
+
+class Worker:
+    """A process of warpdem that prepares and times runs; see worker."""
+
+    def __init__(self) -> None:
+        script = str(Path(__file__).with_name("worker.py"))
+        pipe = subprocess.PIPE
+        self._process = subprocess.Popen(
+            [sys.executable, script], stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True
+        )
+        self._count = 0
+
+    def prepare(self, case: str, run: dict[str, Any], steps: int) -> tuple[int, Any]:
+        """Number of a new run, and what was measured at its end."""
+        values = self._ask(do="prepare", case=case, run=run, steps=steps)
+        self._count += 1
+        return self._count - 1, values
+
+    def time(self, number: int) -> float:
+        """Seconds of one more run."""
+        return self._ask(do="time", number=number)
+
+    def forget(self) -> None:
+        """Drop all runs."""
+        self._ask(do="forget")
+        self._count = 0
+
+    def close(self) -> None:
+        """End the process."""
+        assert self._process.stdin is not None
+        self._process.stdin.close()
+        self._process.wait(timeout=60)
+
+    def _ask(self, **words: Any) -> Any:
+        process = self._process
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdin.write(json.dumps(words) + "\n")
+        process.stdin.flush()
+        if not (line := process.stdout.readline()):
+            raise RuntimeError(f"the worker ended on {words}")
+        return json.loads(line)
+
+
+class Workers:
+    """One process a precision."""
+
+    def __init__(self) -> None:
+        self._each: dict[str, Worker] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for worker in self._each.values():
+            worker.close()
+
+    def of(self, precision: str) -> Worker:
+        """The process for a precision."""
+        if precision not in self._each:
+            self._each[precision] = Worker()
+        return self._each[precision]
+
+    def forget(self) -> None:
+        """Drop all runs."""
+        for worker in self._each.values():
+            worker.forget()
+
+
+def applicable(case: Case) -> list[Setting]:
+    """Settings of a case that this version has."""
+    return [SETTINGS[name] for name in case.settings if SETTINGS[name].known]
+
+
+def truths(case: Case, settings: Sequence[Setting], worker: Worker) -> dict[str, Any]:
+    """What should be measured, by law."""
+    found: dict[str, Any] = {}
+    for setting in settings:
+        if setting.law in found:
+            continue
+        if case.exact:
+            found[setting.law] = case.exact(setting.law)
+        else:
+            steps = case.steps[-1] * case.finer
+            found[setting.law] = worker.prepare(case.name, setting.truth, steps)[1]
+    return found
+
+
+def measured(
+    case: Case, workers: Workers, *, rungs: int | None, repeats: int
+) -> tuple[list[Curve], dict[str, Any]]:
+    """Curves of all settings, and the truths by law; ``rungs``: of the ladder, from the coarsest.
+
+    Every repeat goes through all settings in turn, every other one backwards.
+    """
+    settings, steps = applicable(case), case.steps[:rungs]
+    known = truths(case, settings, workers.of("float64"))
+    errors: dict[tuple[str, int], float] = {}
+    runs: dict[tuple[str, int], tuple[Worker, int]] = {}
+    for setting in settings:
+        worker = workers.of(setting.precision)
+        for count in steps:
+            number, values = worker.prepare(case.name, setting.run, count)
+            errors[setting.name, count] = case.error(values, known[setting.law])
+            if values is not None:
+                runs[setting.name, count] = worker, number
+    seconds = dict.fromkeys(errors, float("inf"))
+    for turn in range(repeats):
+        for key in list(runs)[:: -1 if turn % 2 else 1]:
+            worker, number = runs[key]
+            seconds[key] = min(seconds[key], worker.time(number))
+    workers.forget()
+    curves = [
+        Curve(
+            case.name,
+            setting.name,
+            steps,
+            tuple(seconds[setting.name, count] for count in steps),
+            tuple(errors[setting.name, count] for count in steps),
+        )
+        for setting in settings
+    ]
+    return curves, known
