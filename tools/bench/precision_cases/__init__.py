@@ -1,5 +1,6 @@
 """Cases, settings and programs of ``precision.py``: run time against error."""
 
-from precision_cases import impacts, turning
+from precision_cases import impacts, sliding, standing, tumbling, turning
 
-CASES = {case.name: case for part in (impacts, turning) for case in part.CASES}
+PARTS = (impacts, turning, sliding, standing, tumbling)
+CASES = {case.name: case for part in PARTS for case in part.CASES}

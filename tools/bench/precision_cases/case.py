@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     FloatArray = NDArray[np.float64]
 
 Scene = dict[str, Any]
-COPIES = 100
-"""Bodies, or groups of them, far apart in one scene: what is timed is then physics."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +39,8 @@ class Case:
         programs: Other programs that run the same; see peers.
         problem: What those programs need to know.
         rigid: What hard contacts should give, for programs that have such.
+        hard: Makes a run of the nonsmooth method, from numerics and number of steps.
+        hard_steps: Its ladder.
     """
 
     name: str
@@ -58,6 +58,12 @@ class Case:
     programs: tuple[str, ...] = ()
     problem: Callable[[], Scene] | None = None
     rigid: Callable[[], FloatArray] | None = None
+    hard: Callable[[Mapping[str, Any], int], Any] | None = None
+    hard_steps: tuple[int, ...] = ()
+
+    def ladder(self, law: str) -> tuple[int, ...]:
+        """Numbers of steps, coarse to fine."""
+        return self.hard_steps if law == "hard" else self.steps
 
     def error(self, values: Any, truth: Any) -> float:
         """One number for how far a run is off; infinite where it failed."""

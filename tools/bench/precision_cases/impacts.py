@@ -7,13 +7,14 @@ from math import acos, cos, exp, log, pi, sin, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from precision_cases.case import COPIES, GROUND, PLANE, WEIGHT, Case, G, lattice, random, scene_of
+from precision_cases.case import GROUND, PLANE, WEIGHT, Case, G, lattice, random, scene_of
 from precision_cases.settings import CONTACT
 from scenes import clamped_restitution
 
 if TYPE_CHECKING:
     from precision_cases.case import FloatArray, Scene
 
+COPIES = 500
 RADIUS = 0.1
 KN, KT, MU = 1e5, 8e4, 0.3
 TOUCH = pi / sqrt(KN)

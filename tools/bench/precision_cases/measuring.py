@@ -98,7 +98,10 @@ def truths(case: Case, settings: Sequence[Setting], worker: Worker) -> dict[str,
     for setting in settings:
         if setting.law in found:
             continue
-        if case.exact:
+        if setting.law == "hard":
+            assert case.rigid is not None
+            found[setting.law] = case.rigid()
+        elif case.exact:
             found[setting.law] = case.exact(setting.law)
         else:
             steps = case.steps[-1] * case.finer
@@ -113,13 +116,14 @@ def measured(
 
     Every repeat goes through all settings in turn, every other one backwards.
     """
-    settings, steps = applicable(case), case.steps[:rungs]
+    settings = applicable(case)
+    ladder = {setting.name: case.ladder(setting.law)[:rungs] for setting in settings}
     known = truths(case, settings, workers.of("float64"))
     errors: dict[tuple[str, int], float] = {}
     runs: dict[tuple[str, int], tuple[Worker, int]] = {}
     for setting in settings:
         worker = workers.of(setting.precision)
-        for count in steps:
+        for count in ladder[setting.name]:
             number, values = worker.prepare(case.name, setting.run, count)
             errors[setting.name, count] = case.error(values, known[setting.law])
             if values is not None:
@@ -134,9 +138,9 @@ def measured(
         Curve(
             case.name,
             setting.name,
-            steps,
-            tuple(seconds[setting.name, count] for count in steps),
-            tuple(errors[setting.name, count] for count in steps),
+            ladder[setting.name],
+            tuple(seconds[setting.name, count] for count in ladder[setting.name]),
+            tuple(errors[setting.name, count] for count in ladder[setting.name]),
         )
         for setting in settings
     ]

@@ -60,6 +60,7 @@ ALL = (
     _law("sum", partnership="sum"),
     _law("pnorm", partnership="pnorm"),
     _law("once", partnership="once"),
+    Setting("nonsmooth", {"method": "nonsmooth"}, "hard"),
     Setting(
         "rockable",
         {"compat": "rockable"},

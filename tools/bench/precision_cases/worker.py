@@ -59,8 +59,9 @@ class SceneRun:
 
 def prepared(case: Case, run: dict[str, Any], steps: int) -> Any:
     """A run that has been through once; None where it failed."""
+    special = case.hard if run.get("method") == "nonsmooth" else case.prepared
     try:
-        made = case.prepared(run, steps) if case.prepared else SceneRun(case, run, steps)
+        made = special(run, steps) if special else SceneRun(case, run, steps)
     except WarpdemError as error:
         print(f"{case.name} {run} {steps}: {error}", file=sys.stderr)
         return None
