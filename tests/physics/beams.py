@@ -29,9 +29,7 @@ class Beam:
         """Simulation of ``scene``."""
         return Simulation(Scene.model_validate(self.scene(**how)), device="cpu", threads=1)
 
-    def scene(
-        self, *, load=0.0, gravity=(0.0, 0.0, 0.0), ratio=0.0, motion=None, bond=(), ends=0
-    ):
+    def scene(self, *, load=0.0, gravity=(0.0, 0.0, 0.0), ratio=0.0, motion=None, bond=(), ends=0):
         """The beam with a mass ``load`` at the centre of the free face [kg].
 
         ``motion`` gives velocities and spins of the cubes, ``ends`` adds that many fixed cubes,

@@ -8,7 +8,7 @@ state at its end, against a closed form or a far finer run. Seconds are those of
 warm, the best of three that take turns; many copies share a scene, so that they are physics and
 not launches. The table tells the order, and seconds and steps at an error of 1e-3 and 1e-6; the
 plots have run time on x and error on y. --quick: the coarser half of each ladder, once. --peers:
-other programs too, where they are installed; PYTHON has mujoco, pybullet, Kratos. --proof prints
+other programs too, where they are installed; PYTHON has mujoco and pybullet. --proof prints
 what is to be met; exit status 1 if something is not.
 """
 
@@ -25,6 +25,7 @@ sys.path[:0] = [str(ROOT), *(str(ROOT / "tests" / part) for part in (".", "physi
 
 from precision_cases import CASES  # noqa: E402 - found through the path above
 from precision_cases.measuring import Workers, measured  # noqa: E402
+from precision_cases.peers import programs  # noqa: E402
 from precision_cases.proof import proofs  # noqa: E402
 from precision_cases.report import HEAD, draw, row  # noqa: E402
 
@@ -38,6 +39,8 @@ def asked() -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--proof", action="store_true")
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--peers", action="store_true")
+    parser.add_argument("--peers-python")
     parser.add_argument("--plots", type=Path)
     parser.add_argument("--json", type=Path)
     found = parser.parse_args()
@@ -51,12 +54,19 @@ def main() -> int:
     curves = []
     how = {"rungs": QUICK, "repeats": 1} if options.quick else {"rungs": None}
     how = {"repeats": options.repeats} | how
+    others = []
+    if options.peers or options.peers_python:
+        for program in programs(options.peers_python or sys.executable).values():
+            if why := program.missing():
+                print(f"# without {program.name}: {why}")
+            else:
+                others.append(program)
     print(HEAD)
     with Workers() as workers:
         for name in options.case or CASES:
             begin = time.perf_counter()
             case = CASES[name]
-            found, _ = measured(case, workers, **how)
+            found = measured(case, workers, others, **how)
             curves += found
             print("\n".join(row(curve) for curve in found))
             print(f"# {name}: {case.what}; {time.perf_counter() - begin:.0f} s", flush=True)

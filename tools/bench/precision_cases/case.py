@@ -38,6 +38,7 @@ class Case:
             number of steps; see worker.
         programs: Other programs that run the same; see peers.
         problem: What those programs need to know.
+        seen: What is compared, of velocities, spins and positions, for those programs.
         rigid: What hard contacts should give, for programs that have such.
         hard: Makes a run of the nonsmooth method, from numerics and number of steps.
         hard_steps: Its ladder.
@@ -57,6 +58,7 @@ class Case:
     prepared: Callable[[Mapping[str, Any], int], Any] | None = None
     programs: tuple[str, ...] = ()
     problem: Callable[[], Scene] | None = None
+    seen: Callable[[FloatArray, FloatArray, FloatArray], FloatArray] | None = None
     rigid: Callable[[], FloatArray] | None = None
     hard: Callable[[Mapping[str, Any], int], Any] | None = None
     hard_steps: tuple[int, ...] = ()

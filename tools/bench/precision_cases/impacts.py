@@ -7,11 +7,19 @@ from math import acos, cos, exp, log, pi, sin, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from slopes import ball as hard_ball
+from slopes import law as ground
+from slopes import plane, site_on
+from slopes import starts as released
+
 from precision_cases.case import GROUND, PLANE, WEIGHT, Case, G, lattice, random, scene_of
+from precision_cases.hard import Hard
 from precision_cases.settings import CONTACT
 from scenes import clamped_restitution
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from precision_cases.case import FloatArray, Scene
 
 COPIES = 500
@@ -238,7 +246,18 @@ def heights(_: FloatArray, __: FloatArray, place: FloatArray) -> FloatArray:
     return place[:, 2] - RADIUS
 
 
-SPHERES = ("YADE", "LIGGGHTS", "MuJoCo", "PyBullet", "Kratos")
+def bounce_hard(run: Mapping[str, Any], steps: int) -> Hard:
+    """By impulses."""
+    begin = released(bounce_problem()["position"])
+    site = site_on(plane(), ground(0.0, restitution=BOUNCY))
+
+    def measured(end: Any) -> FloatArray:
+        return heights(end.velocity, end.spin, end.position)
+
+    return Hard(site, hard_ball(RADIUS, 1.0), run, BOUNCED, steps, begin, measured)
+
+
+SPHERES = ("YADE", "LIGGGHTS", "MuJoCo", "PyBullet")
 CASES = (
     Case(
         "normal_impact",
@@ -251,6 +270,7 @@ CASES = (
         exact=normal_exact,
         programs=SPHERES,
         problem=normal_problem,
+        seen=normal_of,
         rigid=lambda: np.full(COPIES, KEPT),
     ),
     Case(
@@ -264,6 +284,7 @@ CASES = (
         unit=SPEED,
         programs=SPHERES,
         problem=oblique_problem,
+        seen=oblique_of,
         rigid=oblique_rigid,
     ),
     Case(
@@ -271,13 +292,16 @@ CASES = (
         f"{BOUNCERS} spheres bounce for {BOUNCED} s; height over .2 m, against the closed form",
         BOUNCED,
         tuple(400 * 2**k for k in range(6)),
-        CONTACT,
+        (*CONTACT, "nonsmooth"),
         bounce_scene,
         of_snapshot(heights),
         unit=0.2,
         exact=bounce_exact,
         programs=SPHERES,
         problem=bounce_problem,
+        seen=heights,
+        hard=bounce_hard,
+        hard_steps=(80, 160, 320, 640, 1280),
         rigid=bounce_rigid,
     ),
 )

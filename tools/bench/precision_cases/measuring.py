@@ -8,6 +8,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from precision_cases.curves import Curve
 from precision_cases.settings import SETTINGS
 
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from typing import Self
 
     from precision_cases.case import Case
+    from precision_cases.peers import Program
     from precision_cases.settings import Setting
 
 
@@ -109,10 +112,81 @@ def truths(case: Case, settings: Sequence[Setting], worker: Worker) -> dict[str,
     return found
 
 
+class Others:
+    """Other programs that run a case.
+
+    Args:
+        case: Which.
+        programs: Those that are installed.
+        rungs: Of the ladder, from the coarsest.
+        truth: What the law of the case should give; they may have hard contacts instead.
+    """
+
+    def __init__(
+        self, case: Case, programs: Sequence[Program], rungs: int | None, truth: Any
+    ) -> None:
+        self._case, self._truth = case, truth
+        self._programs = [one for one in programs if one.name in case.programs]
+        self._ladder = {one.name: self._steps(one)[:rungs] for one in self._programs}
+        self._error: dict[str, list[float]] = {}
+        self._seconds: dict[str, list[float]] = {}
+        self._failed: dict[str, str] = {}
+
+    def _steps(self, one: Program) -> tuple[int, ...]:
+        """Those of hard contacts for programs that have such."""
+        case = self._case
+        assert case.problem is not None
+        springs = one.springs and (not one.hard or "block" not in case.problem())
+        return case.ladder("own" if springs or not case.hard_steps else "hard")
+
+    def go(self) -> None:
+        """Run all of them once more."""
+        for one in self._programs:
+            if one.name in self._failed:
+                continue
+            assert self._case.problem is not None
+            try:
+                rows = one.rows(self._case.problem(), self._ladder[one.name])
+            except (RuntimeError, OSError, subprocess.SubprocessError) as error:
+                self._failed[one.name] = str(error)
+                continue
+            seconds = [row["seconds"] for row in rows]
+            before = self._seconds.get(one.name, seconds)
+            self._seconds[one.name] = [min(pair) for pair in zip(before, seconds, strict=True)]
+            self._error[one.name] = [self._off(one, row) for row in rows]
+
+    def _off(self, one: Program, row: dict[str, Any]) -> float:
+        case = self._case
+        assert case.seen is not None
+        assert case.rigid is not None
+        values = case.seen(*(np.array(row[key]) for key in ("velocity", "spin", "position")))
+        return case.error(values, case.rigid() if one.hard else self._truth)
+
+    def curves(self) -> list[Curve]:
+        """Of those that ran."""
+        return [
+            Curve(
+                self._case.name,
+                one.name,
+                self._ladder[one.name],
+                tuple(self._seconds[one.name]),
+                tuple(self._error[one.name]),
+                one.note,
+            )
+            for one in self._programs
+            if one.name not in self._failed
+        ]
+
+
 def measured(
-    case: Case, workers: Workers, *, rungs: int | None, repeats: int
-) -> tuple[list[Curve], dict[str, Any]]:
-    """Curves of all settings, and the truths by law; ``rungs``: of the ladder, from the coarsest.
+    case: Case,
+    workers: Workers,
+    programs: Sequence[Program] = (),
+    *,
+    rungs: int | None,
+    repeats: int,
+) -> list[Curve]:
+    """Curves of all settings and programs; ``rungs``: of the ladder, from the coarsest.
 
     Every repeat goes through all settings in turn, every other one backwards.
     """
@@ -129,7 +203,9 @@ def measured(
             if values is not None:
                 runs[setting.name, count] = worker, number
     seconds = dict.fromkeys(errors, float("inf"))
+    others = Others(case, programs, rungs, known.get("own"))
     for turn in range(repeats):
+        others.go()
         for key in list(runs)[:: -1 if turn % 2 else 1]:
             worker, number = runs[key]
             seconds[key] = min(seconds[key], worker.time(number))
@@ -144,4 +220,4 @@ def measured(
         )
         for setting in settings
     ]
-    return curves, known
+    return [*curves, *others.curves()]

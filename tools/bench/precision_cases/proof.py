@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 ORDER, FASTER, FINER, WANTED = 1.8, 8.0, 100.0, 1e-3
 IMPACTS = ("normal_impact", "oblique_impact")
-SINGLE = {name: "default" for name in (*IMPACTS, "heavy_top")}
+SINGLE = dict.fromkeys((*IMPACTS, "heavy_top"), "default")
 """Cases whose order is asked, and the setting meant."""
 ROTATIONS = {"torque_free_top": "rockable", "heavy_top": "taylor"}
 """Cases of rotation, and which curve stands for Rockable's scheme."""

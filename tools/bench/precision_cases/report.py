@@ -8,7 +8,7 @@ import matplotlib as mpl
 import numpy as np
 
 mpl.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402 - the backend first
+import matplotlib.pyplot as plt
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

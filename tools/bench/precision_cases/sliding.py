@@ -7,15 +7,16 @@ from math import cos, radians, sin
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from precision_cases.case import GROUND, PLANE, WEIGHT, Case, G, lattice, random, scene_of
-from precision_cases.hard import Hard
-from precision_cases.impacts import BALL, KN, MU, RADIUS, SPHERES, balls, law, of_snapshot, starts
-from precision_cases.settings import CONTACT, SHARED
 from slopes import ball as hard_ball
 from slopes import box as hard_box
 from slopes import law as ground
 from slopes import plane, site_on
 from slopes import starts as released
+
+from precision_cases.case import GROUND, PLANE, WEIGHT, Case, G, lattice, random, scene_of
+from precision_cases.hard import Hard
+from precision_cases.impacts import BALL, KN, MU, RADIUS, SPHERES, balls, law, of_snapshot, starts
+from precision_cases.settings import CONTACT, SHARED
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -117,7 +118,10 @@ def slope_hard(speeds: FloatArray, unit: FloatArray | float) -> Any:
     """By impulses, on a real slope."""
 
     def made(run: Mapping[str, Any], steps: int) -> Hard:
-        normal, along = np.array([sin(ANGLE), 0, cos(ANGLE)]), np.array([cos(ANGLE), 0, -sin(ANGLE)])
+        normal, along = (
+            np.array([sin(ANGLE), 0, cos(ANGLE)]),
+            np.array([cos(ANGLE), 0, -sin(ANGLE)]),
+        )
         spread = np.arange(len(speeds))[:, None] * np.array([0.0, 3.0, 0.0])
         place = (0.5 * BLOCK[2] - 1e-9) * normal + spread
         turn = (cos(ANGLE / 2), 0.0, sin(ANGLE / 2), 0.0)
@@ -132,7 +136,6 @@ def slope_hard(speeds: FloatArray, unit: FloatArray | float) -> Any:
     return made
 
 
-BLOCKS = ("YADE", "LIGGGHTS", "MuJoCo", "PyBullet", "Kratos")
 STILL = np.zeros(10)
 CASES = (
     Case(
@@ -145,6 +148,7 @@ CASES = (
         of_snapshot(rolling),
         programs=SPHERES,
         problem=roll_problem,
+        seen=rolling,
         rigid=roll_rigid,
         hard=roll_hard,
         hard_steps=(20, 40, 80, 160, 320),
@@ -158,8 +162,9 @@ CASES = (
         lambda: slope_scene(WAYS),
         lambda shot: way(shot.position[:-1]) / stops(WAYS),
         exact=lambda _: np.ones(10),
-        programs=BLOCKS,
+        programs=SPHERES,
         problem=lambda: slope_problem(WAYS),
+        seen=lambda _, __, place: way(place) / stops(WAYS),
         rigid=lambda: np.ones(10),
         hard=slope_hard(WAYS, stops(WAYS)),
         hard_steps=(80, 160, 320, 640, 1280),
@@ -173,8 +178,9 @@ CASES = (
         lambda: slope_scene(STILL),
         lambda shot: way(shot.position[:-1]),
         finer=4,
-        programs=BLOCKS,
+        programs=SPHERES,
         problem=lambda: slope_problem(STILL),
+        seen=lambda _, __, place: way(place),
         rigid=lambda: STILL,
         hard=slope_hard(STILL, 1.0),
         hard_steps=(80, 160, 320, 640, 1280),

@@ -6,10 +6,10 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from precision_cases.case import GROUND, PLANE, WEIGHT, Case, lattice, random, scene_of, turns
-from precision_cases.settings import TURNING
 from scipy.spatial import ConvexHull
 
+from precision_cases.case import GROUND, PLANE, WEIGHT, Case, lattice, random, scene_of, turns
+from precision_cases.settings import TURNING
 from warpdem.geometry.orientation import matrix
 
 if TYPE_CHECKING:
@@ -126,7 +126,7 @@ CASES = (
         "packing",
         "64 cubes fall into a box; mean height over their edge, against a finer run",
         PACKED,
-        tuple(300 * 2**k for k in range(4)),
+        tuple(600 * 2**k for k in range(3)),
         ("default", "lagged", "mixed", "pnorm", "once", "rockable"),
         packing_scene,
         mean_height,

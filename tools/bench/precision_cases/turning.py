@@ -6,7 +6,6 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from precision_cases.case import Case, lattice, random, scene_of, turns
 from tops import euler_zxz, heavy_top
 from warpdem.kernels.rotation import (
     free_drift,
@@ -16,6 +15,7 @@ from warpdem.kernels.rotation import (
     taylor_torque,
 )
 
+from precision_cases.case import Case, lattice, random, scene_of, turns
 from warpdem.geometry.orientation import product, turned
 
 if TYPE_CHECKING:

@@ -19,8 +19,8 @@ PATHS = [ROOT, HERE.parents[1], ROOT / "tests", ROOT / "tests/physics", ROOT / "
 sys.path[:0] = [str(path) for path in PATHS]
 
 import numpy as np  # noqa: E402 - found through the path above
-from precision_cases import CASES  # noqa: E402
 
+from precision_cases import CASES  # noqa: E402
 from warpdem.errors import WarpdemError  # noqa: E402
 from warpdem.input.scene import Scene  # noqa: E402
 from warpdem.simulation import Simulation  # noqa: E402
