@@ -20,14 +20,13 @@ import sys
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT), *(str(ROOT / "tests" / part) for part in (".", "physics", "rockfall"))]
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from precision_cases import CASES  # noqa: E402 - found through the path above
-from precision_cases.measuring import Workers, measured  # noqa: E402
-from precision_cases.peers import programs  # noqa: E402
-from precision_cases.proof import proofs  # noqa: E402
-from precision_cases.report import HEAD, draw, row  # noqa: E402
+from precision_cases import CASES
+from precision_cases.measuring import Workers, measured
+from precision_cases.peers import programs
+from precision_cases.proof import proofs
+from precision_cases.report import HEAD, draw, row
 
 QUICK = 4
 """Rungs of a ladder that --quick runs."""

@@ -22,6 +22,12 @@ if TYPE_CHECKING:
     from precision_cases.settings import Setting
 
 
+RUNGS = 6
+"""Of a ladder that other programs run."""
+LONG = 4.0
+"""Seconds of such a ladder beyond which it is run once."""
+
+
 class Worker:
     """A process of warpdem that prepares and times runs; see worker."""
 
@@ -50,9 +56,7 @@ class Worker:
 
     def close(self) -> None:
         """End the process."""
-        assert self._process.stdin is not None
-        self._process.stdin.close()
-        self._process.wait(timeout=60)
+        self._process.communicate(timeout=60)
 
     def _ask(self, **words: Any) -> Any:
         process = self._process
@@ -127,7 +131,7 @@ class Others:
     ) -> None:
         self._case, self._truth = case, truth
         self._programs = [one for one in programs if one.name in case.programs]
-        self._ladder = {one.name: self._steps(one)[:rungs] for one in self._programs}
+        self._ladder = {one.name: self._steps(one)[: rungs or RUNGS] for one in self._programs}
         self._error: dict[str, list[float]] = {}
         self._seconds: dict[str, list[float]] = {}
         self._failed: dict[str, str] = {}
@@ -142,7 +146,7 @@ class Others:
     def go(self) -> None:
         """Run all of them once more."""
         for one in self._programs:
-            if one.name in self._failed:
+            if one.name in self._failed or sum(self._seconds.get(one.name, [])) > LONG:
                 continue
             assert self._case.problem is not None
             try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from math import isfinite, log
 from typing import TYPE_CHECKING
 
@@ -59,10 +60,9 @@ def proofs(curves: Sequence[Curve]) -> Iterator[Proof]:
 
 
 def gain(ours: Curve, theirs: Curve) -> float:
-    """Least ratio of errors at equal run time, over the runs of theirs that last as long as one of
-    ours and did not fail.
+    """Least ratio of errors at equal run time, over their runs that did not fail.
 
-    Where theirs has no run between ours, its error is taken between its runs, log-log.
+    Our errors at these times are taken between our runs, log-log.
     """
     ratios = []
     for seconds, error in zip(theirs.seconds, theirs.error, strict=True):
@@ -73,12 +73,12 @@ def gain(ours: Curve, theirs: Curve) -> float:
 
 
 def between(curve: Curve, seconds: float) -> float:
-    """Error at a run time, log-log; infinite below the shortest run, the last beyond the longest."""
+    """Error at a run time, log-log; infinite before the first run, the last one's after it."""
     runs = [(s, e) for s, e in zip(curve.seconds, curve.error, strict=True) if isfinite(e)]
     runs.sort()
     if not runs or seconds < runs[0][0]:
         return float("inf")
-    for (a, first), (b, second) in zip(runs[:-1], runs[1:], strict=True):
+    for (a, first), (b, second) in pairwise(runs):
         if a <= seconds <= b:
             part = log(seconds / a) / log(b / a) if b > a else 0.0
             return first * (second / first) ** part

@@ -13,10 +13,8 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-HERE = Path(__file__).resolve()
-ROOT = HERE.parents[3]
-PATHS = [ROOT, HERE.parents[1], ROOT / "tests", ROOT / "tests/physics", ROOT / "tests/rockfall"]
-sys.path[:0] = [str(path) for path in PATHS]
+BENCH = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(BENCH.parents[1]), str(BENCH)]
 
 import numpy as np  # noqa: E402 - found through the path above
 

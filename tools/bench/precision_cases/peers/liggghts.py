@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LOOP = re.compile(r"Loop time of (\S+) on")
-MODEL = "model hooke/stiffness tangential history limitForce on tangential_damping off"
+MODEL = "model hooke/stiffness tangential history"
+SWITCHES = "limitForce on tangential_damping off"
 STATE = "id x y z vx vy vz omegax omegay omegaz"
 
 
@@ -111,10 +112,10 @@ def _input(problem: dict[str, Any], steps: int) -> str:
             f"neighbor {0.2 * radius_and_mass(problem)[0]!r} bin",
             "neigh_modify delay 0 every 1 check yes",
             *laws,
-            f"pair_style gran {MODEL}\npair_coeff * *",
+            f"pair_style gran {MODEL} {SWITCHES}\npair_coeff * *",
             f"timestep {problem['until'] / steps!r}",
             f"fix weight all gravity {size!r} vector {way}",
-            f"fix wall all wall/gran {MODEL.replace(' limitForce', ' primitive type 2 zplane 0.0 limitForce')}",
+            f"fix wall all wall/gran {MODEL} primitive type 2 zplane 0.0 {SWITCHES}",
             f"fix move all {move}\nthermo 1000000000\nthermo_modify lost error norm no",
             f"run {steps}\ndump end all custom 1 end.txt {STATE}",
             f"dump_modify end format {shown}\nrun 0\n",
