@@ -257,7 +257,7 @@ def bounce_hard(run: Mapping[str, Any], steps: int) -> Hard:
     return Hard(site, hard_ball(RADIUS, 1.0), run, BOUNCED, steps, begin, measured)
 
 
-SPHERES = ("YADE", "LIGGGHTS", "MuJoCo", "PyBullet")
+SPHERES = ("YADE", "LIGGGHTS", "MuJoCo", "PyBullet", "Kratos")
 CASES = (
     Case(
         "normal_impact",

@@ -31,12 +31,10 @@ LONG = 4.0
 class Worker:
     """A process of warpdem that prepares and times runs; see worker."""
 
-    def __init__(self) -> None:
-        script = str(Path(__file__).with_name("worker.py"))
-        pipe = subprocess.PIPE
-        self._process = subprocess.Popen(
-            [sys.executable, script], stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True
-        )
+    def __init__(self, precision: str) -> None:
+        command = [sys.executable, str(Path(__file__).with_name("worker.py")), precision]
+        pipe, away = subprocess.PIPE, subprocess.DEVNULL
+        self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=away, text=True)
         self._count = 0
 
     def prepare(self, case: str, run: dict[str, Any], steps: int) -> tuple[int, Any]:
@@ -85,7 +83,7 @@ class Workers:
     def of(self, precision: str) -> Worker:
         """The process for a precision."""
         if precision not in self._each:
-            self._each[precision] = Worker()
+            self._each[precision] = Worker(precision)
         return self._each[precision]
 
     def forget(self) -> None:

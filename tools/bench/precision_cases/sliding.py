@@ -137,6 +137,7 @@ def slope_hard(speeds: FloatArray, unit: FloatArray | float) -> Any:
 
 
 STILL = np.zeros(10)
+BLOCKS = ("YADE", "LIGGGHTS", "MuJoCo", "PyBullet")
 CASES = (
     Case(
         "slip_to_roll",
@@ -162,7 +163,7 @@ CASES = (
         lambda: slope_scene(WAYS),
         lambda shot: way(shot.position[:-1]) / stops(WAYS),
         exact=lambda _: np.ones(10),
-        programs=SPHERES,
+        programs=BLOCKS,
         problem=lambda: slope_problem(WAYS),
         seen=lambda _, __, place: way(place) / stops(WAYS),
         rigid=lambda: np.ones(10),
@@ -178,7 +179,7 @@ CASES = (
         lambda: slope_scene(STILL),
         lambda shot: way(shot.position[:-1]),
         finer=4,
-        programs=SPHERES,
+        programs=BLOCKS,
         problem=lambda: slope_problem(STILL),
         seen=lambda _, __, place: way(place),
         rigid=lambda: STILL,

@@ -1,5 +1,7 @@
 """A process of warpdem in one precision: prepares runs, and times them when it is told.
 
+    python worker.py PRECISION
+
 Reads lines of JSON: {"do": "prepare", "case", "run", "steps"} answers with what was measured at the
 end of a first run, null where it failed; {"do": "time", "number"} with the seconds of another run
 of the so many-th prepared; {"do": "forget"} drops all.
@@ -10,11 +12,16 @@ from __future__ import annotations
 import json
 import sys
 import time
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 BENCH = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(BENCH.parents[1]), str(BENCH)]
+if __name__ == "__main__" and find_spec("warpdem.precision"):
+    # a process has one, bound before its kernels are imported
+    import_module("warpdem.precision").bind(sys.argv[1])
 
 import numpy as np  # noqa: E402 - found through the path above
 

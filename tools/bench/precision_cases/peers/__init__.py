@@ -85,6 +85,9 @@ def programs(python: str = sys.executable) -> dict[str, Program]:
         Program("YADE", False, True, partial(_without, "yade"), partial(_by, yade), "balls"),
         Program("LIGGGHTS", False, True, lammps_like, liggghts.rows, "balls"),
     ]
+    kratos = [python, str(HERE / "kratos_balls.py")]
+    missing = partial(_cannot_import, python, "KratosMultiphysics.DEMApplication")
+    found.append(Program("Kratos", False, True, missing, partial(_by, kratos), "balls"))
     for name, module, springs in (("MuJoCo", "mujoco", True), ("PyBullet", "pybullet", False)):
         command = [python, str(HERE / f"{module}_bodies.py")]
         missing = partial(_cannot_import, python, module)
