@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from precision_cases.curves import Curve
 
 ORDER, FASTER, FINER, WANTED = 1.8, 8.0, 100.0, 1e-3
+WAY, CREEP = 1e-3, 1e-6
 IMPACTS = ("normal_impact", "oblique_impact")
 SINGLE = dict.fromkeys((*IMPACTS, "heavy_top"), "default")
 """Cases whose order is asked, and the setting meant."""
@@ -51,6 +52,10 @@ def proofs(curves: Sequence[Curve]) -> Iterator[Proof]:
             yield Proof(f'{case}: run time of "rockable" over ours at 1e-3', ratio, FASTER)
             ratio = theirs.steps_at(WANTED) / ours.steps_at(WANTED)
             yield Proof(f"{case}: its steps over ours at 1e-3", ratio, FASTER)
+    if {("slope_slide", "default"), ("slope_stick", "default")} <= by.keys():
+        slide, stick = (by[f"slope_{name}", "default"].error for name in ("slide", "stick"))
+        both = sum(a <= WAY and b <= CREEP for a, b in zip(slide, stick, strict=True))
+        yield Proof("slope: steps with a way within 1e-3 and a creep within 1e-6 m", both, 1)
     for case, other in ROTATIONS.items():
         if (case, other) in by:
             ours = by[case, "default"]

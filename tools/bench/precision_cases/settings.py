@@ -72,6 +72,6 @@ SETTINGS = {setting.name: setting for setting in ALL}
 CONTACT = ("default", "lagged", "mixed", "rockable")
 """Settings for impacts of spheres."""
 TURNING = ("default", "lagged", "rkmk4", "taylor", "mixed", "rockable")
-"""For impacts of bodies that turn."""
+"""For impacts of bodies of unequal moments of inertia."""
 SHARED = ("default", "lagged", "mixed", "sum", "pnorm", "once", "rockable")
 """For contacts of faces."""

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from precision_cases.case import GROUND, PLANE, WEIGHT, Case, lattice, random, scene_of, turns
-from precision_cases.settings import TURNING
+from precision_cases.settings import CONTACT, TURNING
 from warpdem.geometry.orientation import matrix
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ CASES = (
         f"{COUNT} cubes tumble for {FALLEN} s; median angle [rad], against a finer run",
         FALLEN,
         tuple(300 * 2**k for k in range(5)),
-        TURNING,
+        CONTACT,
         lambda: tumbling_scene(CUBE),
         poses,
         typical=median,
@@ -117,7 +117,7 @@ CASES = (
         f"{COUNT} rocks tumble for {FALLEN} s; median angle [rad], against a finer run",
         FALLEN,
         tuple(300 * 2**k for k in range(5)),
-        ("default", "lagged", "mixed", "rockable"),
+        TURNING,
         lambda: tumbling_scene(rock()),
         poses,
         typical=median,
