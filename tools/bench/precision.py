@@ -4,12 +4,12 @@
                                     [--peers] [--peers-python PYTHON]
 
 Each case is run with a ladder of steps in every setting that applies; the error is that of the
-state at its end, against a closed form or a far finer run. Seconds are those of the loop alone,
-warm, the best of three that take turns; many copies share a scene, so that they are physics and
-not launches. The table tells the order, and seconds and steps at an error of 1e-3 and 1e-6; the
-plots have run time on x and error on y. --quick: the first four of each ladder, once. --peers:
-other programs too, where they are installed; PYTHON has mujoco, pybullet, KratosDEMApplication.
---proof prints what is to be met; exit status 1 if something is not.
+state at its end, against a closed form or a far finer run. Seconds are CPU time of the loop alone
+(LIGGGHTS: its own clock), one thread, warm, the best of three that take turns; many copies share a
+scene, so that they are physics and not launches. The table tells the order, and seconds and steps
+at an error of 1e-3 and 1e-6; the plots have run time on x and error on y. --quick: the first four
+steps of each ladder, once. --peers: other programs too, where they are installed; PYTHON has mujoco,
+pybullet, KratosDEMApplication. --proof prints what is to be met; exit status 1 if something is not.
 """
 
 from __future__ import annotations

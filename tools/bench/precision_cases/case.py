@@ -77,9 +77,13 @@ class Case:
         return found if np.isfinite(found) else float("inf")
 
 
+SKIN = {"skin": 0.5}
+"""Of lists: few bodies far apart, and some are fast."""
+
+
 def scene_of(bodies: list[Scene], shapes: list[Scene], law: Scene, **more: Any) -> Scene:
     """A scene with one law, without gravity and account of energies unless ``more`` says so."""
-    plain = {"gravity": {"vector": [0.0, 0.0, 0.0]}, "output": {"energy": False}}
+    plain: Scene = {"gravity": {"vector": [0.0, 0.0, 0.0]}, "output": {"energy": False}}
     contact = [{"groups": ["default"] * 2, **law}]
     return {**plain, "shape": shapes, "body": bodies, "contact": contact, **more}
 

@@ -12,7 +12,7 @@ from slopes import law as ground
 from slopes import plane, site_on
 from slopes import starts as released
 
-from precision_cases.case import GROUND, PLANE, WEIGHT, Case, G, lattice, random, scene_of
+from precision_cases.case import GROUND, PLANE, SKIN, WEIGHT, Case, G, lattice, random, scene_of
 from precision_cases.hard import Hard
 from precision_cases.settings import CONTACT
 from scenes import clamped_restitution
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from precision_cases.case import FloatArray, Scene
 
-COPIES = 500
+COPIES, APART = 500, 1.2
 RADIUS = 0.1
 KN, KT, MU = 1e5, 8e4, 0.3
 TOUCH = pi / sqrt(KN)
@@ -34,7 +34,7 @@ LADDER = (8, 15, 30, 60, 120, 240, 480, 960)
 
 def balls(height: FloatArray, velocity: FloatArray, spin: FloatArray) -> list[Scene]:
     """Of 1 kg, over the plane, which comes last."""
-    place = lattice(len(height), 4.0 * RADIUS)
+    place = lattice(len(height), APART)
     rows = zip(place, height, velocity, spin, strict=True)
     return [
         {"shape": "ball", "density": DENSITY, "position": [x, y, z], "velocity": v, "spin": w}
@@ -69,7 +69,7 @@ def starts(
     g: float = 0.0,
 ) -> Scene:
     """What another program needs to run balls over the plane."""
-    place = np.column_stack([lattice(len(height), 4.0 * RADIUS), height])
+    place = np.column_stack([lattice(len(height), APART), height])
     zeta = damping_ratio(restitution)
     numbers = {"radius": RADIUS, "kn": KN, "kt": KT if mu else 0.0, "mu": mu, "zeta": zeta}
     numbers |= {"g": g, "until": until, "e": restitution}
@@ -98,7 +98,7 @@ def bodies_of(problem: Scene) -> list[Scene]:
 
 
 def normal_scene() -> Scene:
-    return scene_of(bodies_of(normal_problem()), [BALL, PLANE], law(KEPT))
+    return scene_of(bodies_of(normal_problem()), [BALL, PLANE], law(KEPT), run=SKIN)
 
 
 def normal_exact(of: str) -> FloatArray:
@@ -127,7 +127,7 @@ def oblique_problem() -> Scene:
 
 
 def oblique_scene() -> Scene:
-    return scene_of(bodies_of(oblique_problem()), [BALL, PLANE], law(KEPT, MU))
+    return scene_of(bodies_of(oblique_problem()), [BALL, PLANE], law(KEPT, MU), run=SKIN)
 
 
 def oblique_of(velocity: FloatArray, spin: FloatArray, _: FloatArray) -> FloatArray:
@@ -165,7 +165,9 @@ def bounce_problem() -> Scene:
 
 
 def bounce_scene() -> Scene:
-    return scene_of(bodies_of(bounce_problem()), [BALL, PLANE], law(BOUNCY), gravity=WEIGHT)
+    return scene_of(
+        bodies_of(bounce_problem()), [BALL, PLANE], law(BOUNCY), gravity=WEIGHT, run=SKIN
+    )
 
 
 def bounce_exact(of: str) -> FloatArray:

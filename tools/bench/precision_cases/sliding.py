@@ -13,7 +13,7 @@ from slopes import law as ground
 from slopes import plane, site_on
 from slopes import starts as released
 
-from precision_cases.case import GROUND, PLANE, WEIGHT, Case, G, lattice, random, scene_of
+from precision_cases.case import GROUND, PLANE, SKIN, WEIGHT, Case, G, lattice, random, scene_of
 from precision_cases.hard import Hard
 from precision_cases.impacts import BALL, KN, MU, RADIUS, SPHERES, balls, law, of_snapshot, starts
 from precision_cases.settings import CONTACT, SHARED
@@ -39,7 +39,7 @@ def roll_problem() -> Scene:
 def roll_scene() -> Scene:
     p = roll_problem()
     bodies = balls(np.array(p["position"])[:, 2], p["velocity"], p["spin"])
-    return scene_of(bodies, [BALL, PLANE], law(KEPT, MU), gravity=WEIGHT)
+    return scene_of(bodies, [BALL, PLANE], law(KEPT, MU), gravity=WEIGHT, run=SKIN)
 
 
 def rolling(velocity: FloatArray, spin: FloatArray, _: FloatArray) -> FloatArray:
@@ -92,7 +92,7 @@ def slope_scene(speeds: FloatArray) -> Scene:
         for (x, y), v in zip(lattice(len(speeds), 3.0), speeds, strict=True)
     ]
     weight = {"vector": list(DOWN)}
-    return scene_of([*bodies, GROUND], [shape, PLANE], HARDNESS, gravity=weight)
+    return scene_of([*bodies, GROUND], [shape, PLANE], HARDNESS, gravity=weight, run=SKIN)
 
 
 def slope_problem(speeds: FloatArray) -> Scene:

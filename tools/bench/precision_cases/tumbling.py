@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from precision_cases.case import GROUND, PLANE, WEIGHT, Case, lattice, random, scene_of, turns
+from precision_cases.case import GROUND, PLANE, SKIN, WEIGHT, Case, lattice, random, scene_of, turns
 from precision_cases.settings import CONTACT, TURNING
 from warpdem.geometry.orientation import matrix
 
@@ -57,7 +57,7 @@ def tumbling_scene(shape: Scene) -> Scene:
         }
         for (x, y), z, q, v, w in rows
     ]
-    return scene_of([*bodies, GROUND], [shape, PLANE], LAW, gravity=WEIGHT)
+    return scene_of([*bodies, GROUND], [shape, PLANE], LAW, gravity=WEIGHT, run=SKIN)
 
 
 def poses(shot: Any) -> FloatArray:

@@ -45,7 +45,9 @@ class SceneRun:
         assert case.measured is not None
         self._until = case.until
         dt = case.until / steps
-        scene = {**case.scene(), "run": {"duration": 2.0 * case.until, "dt": dt, **run}}
+        scene = case.scene()
+        clock = {"duration": 2.0 * case.until, "dt": dt}
+        scene |= {"run": {**scene.get("run", {}), **clock, **run}}
         self._simulation = Simulation(Scene.model_validate(scene), device="cpu", threads=1)
         self._start = self._simulation.checkpoint()
         self._simulation.advance(case.until)
@@ -56,9 +58,9 @@ class SceneRun:
         simulation = self._simulation
         simulation.restore(self._start)
         simulation.advance(WARM * simulation.dt)
-        begin, first = time.perf_counter(), simulation.step_count
+        begin, first = time.process_time(), simulation.step_count
         simulation.advance(self._until)
-        spent = time.perf_counter() - begin
+        spent = time.process_time() - begin
         return spent * simulation.step_count / (simulation.step_count - first)
 
 

@@ -61,9 +61,9 @@ for steps in problem["steps"]:
     motion[:, :3] = problem["velocity"]
     if "spin" in problem:
         motion[:, 3:] = problem["spin"]
-    begin = time.perf_counter()
+    begin = time.process_time()
     mujoco.mj_step(model, data, steps)
-    spent = time.perf_counter() - begin
+    spent = time.process_time() - begin
     motion = data.qvel.reshape(count, 6)
     turns = [np.empty(9) for _ in range(count)]
     pose = data.qpos.reshape(count, 7)

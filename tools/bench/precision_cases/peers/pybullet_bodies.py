@@ -49,10 +49,10 @@ def build(dt):
 found = []
 for steps in problem["steps"]:
     bodies = build(problem["until"] / steps)
-    begin = time.perf_counter()
+    begin = time.process_time()
     for _ in range(steps):
         pybullet.stepSimulation()
-    spent = time.perf_counter() - begin
+    spent = time.process_time() - begin
     motions = [pybullet.getBaseVelocity(body) for body in bodies]
     places = [pybullet.getBasePositionAndOrientation(body)[0] for body in bodies]
     row = {"steps": steps, "seconds": spent, "position": places}
