@@ -8,7 +8,7 @@ state at its end, against a closed form or a far finer run. Seconds are CPU time
 (LIGGGHTS: its own clock), one thread, warm, the best of three that take turns; many copies share a
 scene, so that they are physics and not launches. The table tells the order, and seconds and steps
 at an error of 1e-3 and 1e-6; the plots have run time on x and error on y. --quick: the first four
-steps of each ladder, once. --peers: other programs too, where they are installed; PYTHON has mujoco,
+steps of each ladder, once. --peers: other programs too, where installed; PYTHON has mujoco,
 pybullet, KratosDEMApplication. --proof prints what is to be met; exit status 1 if something is not.
 """
 
