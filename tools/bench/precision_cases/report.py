@@ -25,7 +25,6 @@ LOOKS = {
     "mixed": ("#009e73", "D", "-"),
     "sum": ("#56b4e9", "<", "-"),
     "pnorm": ("#e69f00", ">", "-"),
-    "once": ("#56b4e9", "p", "-"),
     "rockable": ("#b00000", "x", "-"),
     "nonsmooth": ("#7a4fbf", "P", "-"),
     "nonsmooth, stride .03": ("#7a4fbf", "*", ":"),

@@ -59,13 +59,12 @@ ALL = (
     Setting("mixed", {"precision": "mixed"}),
     _law("sum", partnership="sum"),
     _law("pnorm", partnership="pnorm"),
-    _law("once", partnership="once"),
     Setting("nonsmooth", {"method": "nonsmooth"}, "hard"),
     Setting(
         "rockable",
         {"compat": "rockable"},
         "rockable",
-        _CHANGED | {"contact_update": "predicted", "rotation": "no_squish"},
+        _CHANGED | {"contact_update": "predicted", "rotation": "no_squish", "partnership": "sum"},
     ),
 )
 SETTINGS = {setting.name: setting for setting in ALL}
@@ -73,5 +72,5 @@ CONTACT = ("default", "lagged", "mixed", "rockable")
 """Settings for impacts of spheres."""
 TURNING = ("default", "lagged", "rkmk4", "taylor", "mixed", "rockable")
 """For impacts of bodies of unequal moments of inertia."""
-SHARED = ("default", "lagged", "mixed", "sum", "pnorm", "once", "rockable")
+SHARED = ("default", "lagged", "mixed", "sum", "pnorm", "rockable")
 """For contacts of faces."""
