@@ -24,6 +24,8 @@ TREE_FEATURES, TREE_KIND = 128, 64
 LARGE_BODY = 4.0
 # ratios of principal moments closer than this to 1 count as spherical inertia
 SPHERICAL = 1e-12
+# drifts of orientations at constant angular momentum, which torques kick
+KICKED = ("no_squish", "rkmk4")
 # laws of a spring and a dashpot
 HOOKE = ("default", "sticked_links")
 
@@ -181,9 +183,9 @@ def _turns(scene: Scene, moving: list[Polyhedron]) -> bool:
     asked = scene.output.orientation
     if asked == "auto":
         asked = scene.output.table
-    symplectic = scene.run.resolved().rotation == "no_squish"
+    kicked = scene.run.resolved().rotation in KICKED
     spheres = all(len(shape.vertices) == 1 and _is_spherical(shape) for shape in moving)
-    return asked or bool(scene.bond) or not (spheres and symplectic)
+    return asked or bool(scene.bond) or not (spheres and kicked)
 
 
 def _drivers(scene: Scene, *, moving: bool) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import functools
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from warpdem.features import KICKED
 from warpdem.kernels.advance import Motion
 from warpdem.kernels.advance import advance as advance_kernel
 from warpdem.kernels.bonds import BondLaws, bond_forces
@@ -22,6 +23,7 @@ from warpdem.kernels.rotation import (
     euler_drift,
     free_drift,
     free_torque,
+    rkmk4_drift,
     spherical_drift,
     taylor_drift,
     taylor_torque,
@@ -39,6 +41,13 @@ if TYPE_CHECKING:
     from warpdem.state import Share, State
 
 
+DRIFTS = {
+    "no_squish": free_drift,
+    "rkmk4": rkmk4_drift,
+    "taylor": taylor_drift,
+    "euler": euler_drift,
+}
+"""Drift of orientations, by run.rotation."""
 # what may touch within so many steps is hot, or within such a part of the first skin
 AHEAD, MARGIN = 10, 0.01
 
@@ -134,7 +143,7 @@ def advance(
         paths=has.hot_lists,
         summed=has.single,
     )
-    torque = free_torque if has.rotation == "no_squish" else taylor_torque
+    torque = free_torque if has.rotation in KICKED else taylor_torque
     kernel = advance_kernel(_rotate(has), torque, forces_on_bodies(has), motion)
     glue, joined = Bonds(), Joints()
     if state.bonding:
@@ -247,9 +256,9 @@ def forces_on_bodies(has: Features) -> Forces:
 
 
 def _rotate(has: Features) -> wp.Function:
-    if has.rotation != "no_squish":
-        return taylor_drift if has.rotation == "taylor" else euler_drift
-    return spherical_drift if has.spherical else free_drift
+    if has.spherical and has.rotation in KICKED:
+        return spherical_drift
+    return DRIFTS[has.rotation]
 
 
 def acting(model: Model, state: State, lists: Lists, share: Share, dt: float) -> tuple[Stage, ...]:

@@ -25,8 +25,12 @@ class Beam:
         self.density = density
         self.mass = density * side**3
 
-    def run(self, *, load=0.0, gravity=(0.0, 0.0, 0.0), ratio=0.0, motion=None, bond=(), ends=0):
-        """Simulation with a mass ``load`` at the centre of the free face [kg].
+    def run(self, **how):
+        """Simulation of ``scene``."""
+        return Simulation(Scene.model_validate(self.scene(**how)), device="cpu", threads=1)
+
+    def scene(self, *, load=0.0, gravity=(0.0, 0.0, 0.0), ratio=0.0, motion=None, bond=(), ends=0):
+        """The beam with a mass ``load`` at the centre of the free face [kg].
 
         ``motion`` gives velocities and spins of the cubes, ``ends`` adds that many fixed cubes,
         which keep their velocity.
@@ -45,7 +49,7 @@ class Beam:
             bodies.append({"shape": "load", "position": place, "density": load})
         glue = {"between": "inner", "rule": "faces", "tolerance": 1e-3 * a, "walls": True}
         glue |= {"kn": self.kn, "kt": self.kt, "damping_ratio": ratio, **dict(bond)}
-        scene = {
+        return {
             "run": {"duration": 100.0, "skin": 0.1 * a},
             "gravity": {"vector": gravity},
             "shape": [self._box("cube", -a / 2, a / 2, a**3), self._box("load", 0.0, a, 1.0)],
@@ -54,7 +58,6 @@ class Beam:
             "contact": [CONTACT],
             "output": {"energy": False},
         }
-        return Simulation(Scene.model_validate(scene), device="cpu", threads=1)
 
     def _box(self, name, low, high, volume):
         """A box whose centre of mass is the origin, its corners at half the side."""

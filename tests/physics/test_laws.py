@@ -13,6 +13,7 @@ from warpdem.kernels.rotation import (
     inertia,
     inverse_inertia,
     no_squish,
+    rkmk4,
     taylor_drift,
 )
 from warpdem.kernels.tangential import coulomb, laid, radial_return, slip_direction, spun
@@ -198,6 +199,10 @@ def squished(q, momentum, moment, dt):
     return scalar_first(no_squish(q, momentum, moment, wide(dt)))
 
 
+def munthe_kaas(q, momentum, moment, dt):
+    return scalar_first(rkmk4(q, momentum, moment, wide(dt)))
+
+
 def expanded(q, momentum, moment, dt):
     # a free body of the first-order drift has the gyroscopic torque -w x L
     torque = -wp.cross(inverse_inertia(q, moment, momentum), momentum)
@@ -208,6 +213,12 @@ def test_no_squish_step_errs_by_the_cube_of_the_step():
     errors = [error_of_a_step(dt, squished) for dt in (0.04, 0.02)]
     assert errors[0] < 1e-5
     assert np.log2(errors[0] / errors[1]) == pytest.approx(3.0, abs=0.05)
+
+
+def test_rkmk4_step_errs_by_the_fifth_power_of_the_step():
+    errors = [error_of_a_step(dt, munthe_kaas) for dt in (0.4, 0.2)]
+    assert errors[0] < 1e-5
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(5.0, abs=0.1)
 
 
 def test_taylor_step_errs_by_the_square_of_the_step():
@@ -241,6 +252,7 @@ def test_half_kick_adds_torque_to_the_world_angular_momentum():
 def test_body_at_rest_stays_as_it_is():
     assert (np.array(exponential(AT_REST, wide3(), wide(0.1))) == np.array(AT_REST)).all()
     assert (np.array(no_squish(AT_REST, wide3(), BRICK, wide(0.1))) == np.array(AT_REST)).all()
+    assert (np.array(rkmk4(AT_REST, wide3(), BRICK, wide(0.1))) == np.array(AT_REST)).all()
 
 
 def test_inverse_inertia_undoes_inertia_in_any_orientation():

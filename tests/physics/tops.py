@@ -1,9 +1,11 @@
 """Bodies that turn: free of torque, and a top on its tip."""
 
+import functools
+
 import numpy as np
 import warp as wp
 from warpdem.kernels.precision import quat, wide, wide3
-from warpdem.kernels.rotation import free_drift
+from warpdem.kernels.rotation import free_drift, free_torque, inverse_inertia
 
 from scenes import laboratory, law
 from warpdem.geometry.orientation import product, turned
@@ -15,7 +17,7 @@ def angle_between(q, other):
     return 2.0 * np.arctan2(np.linalg.norm(turn[..., 1:], axis=-1), np.abs(turn[..., 0]))
 
 
-def free_rotor(moments, spin, times, *, dt):
+def free_rotor(moments, spin, times, *, dt, **run):
     """Snapshots at ``times`` of a body of mass 1 that starts in its principal axes' orientation."""
     shape = {
         "name": "rotor",
@@ -32,7 +34,7 @@ def free_rotor(moments, spin, times, *, dt):
         "density": 1.0,
         "spin": list(spin),
     }
-    simulation = laboratory([shape], [rotor], law(1.0), dt=dt)
+    simulation = laboratory([shape], [rotor], law(1.0), dt=dt, **run)
     shots = []
     for t in times:
         simulation.advance(t)
@@ -47,43 +49,53 @@ def principal_momentum(shots, moments):
     return np.array(spins) * moments
 
 
-@wp.kernel(enable_backward=False)
-def spin_top(
-    moment: wide3,
-    weight: wide,  # m g l [N m]
-    dt: wide,
-    steps: int,
-    q: wp.array(dtype=quat),
-    momentum: wp.array(dtype=wide3),
-):
-    """Kick-drift-kick of a body pinned at a point of its third axis; z is up."""
-    down = wide3(wide(0.0), wide(0.0), -weight)
-    axis = wide3(wide(0.0), wide(0.0), wide(1.0))
-    pose = q[0]
-    spun = momentum[0]
-    torque = wp.cross(wp.quat_rotate(pose, axis), down)
-    for _ in range(steps):
-        pose, spun = free_drift(pose, spun, torque, moment, dt)
-        torque = wp.cross(wp.quat_rotate(pose, axis), down)
-        spun = spun + torque * (wide(0.5) * dt)
-    q[0] = pose
-    momentum[0] = spun
+@functools.cache
+def spin_top(drift, torque_of):
+    """Kernel of kick-drift-kick of bodies pinned at a point of their third axis; z is up."""
+
+    @wp.kernel(enable_backward=False, module="unique")
+    def spin_top(
+        moment: wide3,
+        weight: wide,  # m g l [N m]
+        dt: wide,
+        steps: int,
+        q: wp.array(dtype=quat),
+        momentum: wp.array(dtype=wide3),
+    ):
+        top = wp.tid()
+        down = wide3(wide(0.0), wide(0.0), -weight)
+        axis = wide3(wide(0.0), wide(0.0), wide(1.0))
+        pose = q[top]
+        spun = momentum[top]
+        spin = inverse_inertia(pose, moment, spun)
+        torque = torque_of(wp.cross(wp.quat_rotate(pose, axis), down), spin, spun)
+        for _ in range(steps):
+            pose, spun = drift(pose, spun, torque, moment, dt)
+            spin = inverse_inertia(pose, moment, spun)
+            torque = torque_of(wp.cross(wp.quat_rotate(pose, axis), down), spin, spun)
+            spun = spun + torque * (wide(0.5) * dt)
+        q[top] = pose
+        momentum[top] = spun
+
+    return spin_top
 
 
-def heavy_top(*, moments, weight, tilt, spin, times, dt):
+def heavy_top(*, moments, weight, tilt, spin, times, dt, how=(free_drift, free_torque), copies=1):
     """Orientations w, x, y, z and angular momenta at ``times`` of a top let go with its spin.
 
-    Moments about the pinned point; ``weight`` is m g l [N m].
+    Moments about the pinned point; ``weight`` is m g l [N m]; ``how`` are a drift and a torque of
+    kernels.rotation; ``copies`` are run for their cost.
     """
     start = np.array([np.cos(tilt / 2.0), np.sin(tilt / 2.0), 0.0, 0.0])
     axis = np.array([0.0, -np.sin(tilt), np.cos(tilt)])
-    q = wp.array([quat(*start[[1, 2, 3, 0]])], dtype=quat, device="cpu")
-    momentum = wp.array([wide3(*(moments[2] * spin * axis))], dtype=wide3, device="cpu")
+    pose, spun = quat(*start[[1, 2, 3, 0]]), wide3(*(moments[2] * spin * axis))
+    q = wp.array([pose] * copies, dtype=quat, device="cpu")
+    momentum = wp.array([spun] * copies, dtype=wide3, device="cpu")
     orientations, momenta, done = [], [], 0
     for t in times:
         steps = round(t / dt) - done
         inputs = [wide3(*moments), weight, dt, steps]
-        wp.launch(spin_top, dim=1, inputs=inputs, outputs=[q, momentum], device="cpu")
+        wp.launch(spin_top(*how), dim=copies, inputs=inputs, outputs=[q, momentum], device="cpu")
         done += steps
         orientations.append(q.numpy()[0, [3, 0, 1, 2]])
         momenta.append(momentum.numpy()[0])

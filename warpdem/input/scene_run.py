@@ -28,8 +28,9 @@ class Numerics(Section):
     """Velocity a dashpot sees: "predicted", that of the step's end (second order); "lagged", that
     of the half step (first order)."""
 
-    rotation: Literal["no_squish", "taylor", "euler"] = "no_squish"
-    """Drift of orientations: "no_squish", symplectic; "taylor" and "euler", Rockable's and
+    rotation: Literal["no_squish", "rkmk4", "taylor", "euler"] = "no_squish"
+    """Drift of orientations: "no_squish", symplectic, second order; "rkmk4", fourth order where
+    nothing turns the body, the better one in free flight; "taylor" and "euler", Rockable's and
     exaDEM's, for comparison."""
 
     damping: Literal["pair", "contact"] = "pair"
