@@ -122,7 +122,8 @@ def edge_edge(
         return apart()
     outside = wp.where(inside, real(0.0), real(1.0))
     s = wp.clamp(s / area, real(0.0), real(1.0))
-    t = wp.clamp(t / area, real(0.0), real(1.0))
+    # the foot of the other point: where edges are nearly parallel two quotients would err apart
+    t = wp.clamp((vw + s * uv) / vv, real(0.0), real(1.0))
     return between(p + u * s, q + v * t, radius_i, radius_j, margin, outside)
 
 

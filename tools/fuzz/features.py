@@ -5,8 +5,8 @@ millimetre to a kilometre; half are near a degenerate case: parallel or crossing
 over a corner or a border, coincident points. What must hold of an admissible pair: gap = distance
 of the two features less the roundings; the contact point lies half the gap from both; the normal is
 a unit vector. Of one that is not admissible: an end of the edge, or a border of the face, is as
-near as the feature itself, so that no contact is lost. Edges within 1e-5 rad of parallel are left to
-their ends: these may be farther by as much of their length.
+near as the feature itself, so that no contact is lost. Edges within 1e-5 rad of parallel are left
+to their ends: these may be farther by as much of their length.
 """
 
 from __future__ import annotations
