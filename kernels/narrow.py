@@ -23,6 +23,8 @@ from warpdem.kernels.surfaces import height_above
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
 
+# where another face is nearer by such a part, a vertex behind a face does not belong to it
+NEARER = wp.constant(real(1.0 - 1.0e-9))
 FAR = wp.constant(real(1.0e300))
 # sine squared of the angle under which two edges count as parallel: their vertices carry the load
 PARALLEL = wp.constant(real(1.0e-10))
@@ -128,8 +130,11 @@ def edge_edge(
 
 
 @inlined()
-def inside_convex(geometry: Geometry, face: int, x: vec3, height: real) -> bool:
-    """Whether x (shape frame) lies over a convex face, or behind it nearer than its neighbours."""
+def inside_convex(geometry: Geometry, shape: int, face: int, x: vec3, height: real) -> bool:
+    """Whether x (shape frame) lies over a convex face, or behind it nearer than its neighbours.
+
+    Of a convex solid: nearer than all other faces, which a vertex beyond one of them is not.
+    """
     for side in range(geometry.side_start[face], geometry.side_start[face + 1]):
         plane = geometry.side_above[side]
         if height < real(0.0):
@@ -139,6 +144,10 @@ def inside_convex(geometry: Geometry, face: int, x: vec3, height: real) -> bool:
             return False
         if out == real(0.0):
             if geometry.side_open[side] != 0:
+                return False
+    if height < real(0.0) and geometry.face_convex[face] == 2:
+        for other in range(geometry.face_start[shape], geometry.face_start[shape + 1]):
+            if wp.dot(geometry.normal[other], x) - geometry.offset[other] > height * NEARER:
                 return False
     return True
 
@@ -203,10 +212,10 @@ def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
         inside = bool(False)
         if height >= -geometry.depth[index]:
             if wp.static(convex):
-                inside = inside_convex(geometry, index, x, height)
+                inside = inside_convex(geometry, shape, index, x, height)
             else:
                 if geometry.face_convex[index] != 0:
-                    inside = inside_convex(geometry, index, x, height)
+                    inside = inside_convex(geometry, shape, index, x, height)
                 else:
                     inside = inside_polygon(geometry, shape, index, x)
         if not inside and not touched:

@@ -15,6 +15,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import solids
 import warp as wp
 from faces import Prisms
 from reference import hull_distance
@@ -32,6 +33,8 @@ ERROR = 1e-9
 """Largest error of a gap or a contact point over the size of the pair [-]."""
 PARALLEL = 1e-5
 """Angle below which edges are left to their ends [rad]."""
+RULES = ("sum", "pnorm")
+"""Of run.partnership, under which whole solids are looked at."""
 BATCH = 20_000
 
 
@@ -165,7 +168,12 @@ def _misplaced(
 
 def main(asked: argparse.Namespace) -> int:
     """The command: number of failures."""
-    return fuzz(asked.count, asked.seed, asked.out)
+    failures = fuzz(asked.count, asked.seed, asked.out)
+    count = max(asked.count // 500, 1)
+    found = [f for rule in RULES for f in solids.faults(count, asked.seed, partnership=rule)]
+    print(f"{count} pairs of solids, rules {', '.join(RULES)}: {len(found)} failures")
+    print("\n".join(f"  {fault}" for fault in found))
+    return failures + len(found)
 
 
 def fuzz(count: int, seed: int, folder: Path) -> int:
