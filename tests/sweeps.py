@@ -12,7 +12,7 @@ origin; the first one is placed by a *path*: s in [0, 1] -> (position, orientati
     print(slope_error(pair, [0.3, 0.1, 0.95]))
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from warpdem.kernels.precision import vec4
@@ -32,6 +32,7 @@ class Pose:
 
     Attributes:
         place: Position [m] and orientation (quaternion, scalar first) of the first body.
+        gaps: Of the sub-contacts [m].
         energy: Stored [J].
         force, torque: On the first body, the torque about its centre of mass [N], [N m].
         reaction, reaction_torque: On the second one, about its own.
@@ -45,6 +46,7 @@ class Pose:
     reaction: np.ndarray
     reaction_torque: np.ndarray
     contacts: tuple
+    gaps: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -97,30 +99,34 @@ class Pair:
         self.simulation = simulation = Simulation(Scene.model_validate(scene), threads=1)
         self._skin = skin
         self._bound = float(simulation._model.bound[0])
-        self._listed = None
+        self._listed, self._frame = None, None
         state, lists = simulation._state, simulation._lists
         whole = simulation._whole
         self._stages = lambda: after_drift(simulation._model, state, lists, whole, 0.0)
         self._generation, self._built = -1, ()
         self.poses = 0
 
-    def at(self, position, orientation=IDENTITY):
-        """What acts with the first body's centre at ``position`` [m], turned by ``orientation``."""
-        place = np.asarray(position, float), np.asarray(orientation, float)
-        self._put(*place)
+    def at(self, position, orientation=IDENTITY, *, frame=(IDENTITY, (0.0, 0.0, 0.0))):
+        """What acts with the first body's centre at ``position`` [m], turned by ``orientation``.
+
+        ``frame``: both bodies are turned and then shifted by this.
+        """
+        turn, shift = np.asarray(frame[0], float), np.asarray(frame[1], float)
+        if not np.array_equal(self._frame, [*turn, *shift]):
+            self._frame, self._listed = [*turn, *shift], None
+        seen = turned(turn, np.asarray(position, float)) + shift
+        place = seen, product(turn, np.asarray(orientation, float))
+        self._put(place, (shift, turn))
         self._forget()
         self.simulation._launch(*self._made())
         self.poses += 1
         return self._read(place)
 
-    def _put(self, position, orientation):
+    def _put(self, *places):
         simulation, bodies = self.simulation, self.simulation._state.bodies
-        places = bodies.position.numpy()
-        places[0] = position
-        bodies.position.assign(places)
-        turns = bodies.orientation.numpy()
-        turns[0] = orientation[[1, 2, 3, 0]]
-        bodies.orientation.assign(turns)
+        position, orientation = places[0]
+        bodies.position.assign(np.array([place[0] for place in places]))
+        bodies.orientation.assign(np.array([place[1][[1, 2, 3, 0]] for place in places]))
         for moving in (bodies.momentum, bodies.angular_momentum, bodies.force, bodies.torque):
             moving.zero_()
         simulation._orient()
@@ -162,6 +168,7 @@ class Pair:
             reaction=shot.force[1],
             reaction_torque=shot.torque[1],
             contacts=tuple(sorted(map(tuple, features.tolist()))),
+            gaps=found.gap,
         )
 
 
@@ -265,20 +272,20 @@ def slope_error(pair, position, orientation=IDENTITY, *, step=1e-6):
     )
 
 
-def balance_error(pose):
-    """What forces and torques of both bodies, about the origin, leave over [N], [N m]."""
-    position = pose.place[0]
+def balance_error(pose, centre=(0.0, 0.0, 0.0)):
+    """What forces and torques of both bodies about the second's centre leave over [N], [N m]."""
+    arm = pose.place[0] - np.asarray(centre)
     forces = pose.force + pose.reaction
-    torques = pose.torque + np.cross(position, pose.force) + pose.reaction_torque
+    torques = pose.torque + np.cross(arm, pose.force) + pose.reaction_torque
     return float(np.linalg.norm(forces)), float(np.linalg.norm(torques))
 
 
-def seen_from(pose, turn, shift):
-    """The same pose in a scene turned and shifted: what the first body should feel there."""
-    position, orientation = pose.place
-    return replace(
-        pose,
-        place=(turned(turn, position) + shift, product(turn, orientation)),
-        force=turned(turn, pose.force),
-        torque=turned(turn, pose.torque),
-    )
+def lowered(pair, direction, overlap, orientation=IDENTITY, *, start=3.0, step=0.02):
+    """Place of the first body on a ray from the second one where they first overlap so much."""
+    far = start
+    while far > 0.0:
+        place = far * np.asarray(direction), np.asarray(orientation, float)
+        if pair.at(*place).gaps.min(initial=0.0) <= -overlap:
+            return place
+        far -= step
+    raise AssertionError("they never touch")
