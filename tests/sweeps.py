@@ -280,12 +280,19 @@ def balance_error(pose, centre=(0.0, 0.0, 0.0)):
     return float(np.linalg.norm(forces)), float(np.linalg.norm(torques))
 
 
-def lowered(pair, direction, overlap, orientation=IDENTITY, *, start=3.0, step=0.02):
-    """Place of the first body on a ray from the second one where they first overlap so much."""
+def lowered(pair, direction, overlap, orientation=IDENTITY, *, start=3.0, step=0.1):
+    """Place of the first body on a ray from the second one where they overlap so much at first."""
+    direction, turn = np.asarray(direction, float), np.asarray(orientation, float)
+
+    def sunk(far):
+        return pair.at(far * direction, turn).gaps.min(initial=0.0) <= -overlap
+
     far = start
-    while far > 0.0:
-        place = far * np.asarray(direction), np.asarray(orientation, float)
-        if pair.at(*place).gaps.min(initial=0.0) <= -overlap:
-            return place
+    while not sunk(far):
         far -= step
-    raise AssertionError("they never touch")
+        assert far > 0.0, "they never touch"
+    near, far = far, far + step
+    while far - near > 0.1 * overlap:
+        middle = 0.5 * (near + far)
+        near, far = (middle, far) if sunk(middle) else (near, middle)
+    return near * direction, turn
