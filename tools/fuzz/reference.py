@@ -26,20 +26,18 @@ def hull_distance(first: FloatArray, second: FloatArray) -> float:
 def _from_origin(points: FloatArray) -> float:
     """Distance of the origin from the hull of points of size 1.
 
-    Scaled by a bound of the distance, so that w has a length of 1 or more, and solved again about
-    the nearest point found, so that a small distance is not the difference of large numbers.
+    Scaled by the distance found so far, and solved again: so a small one is not the difference of
+    large numbers. Every answer is the length of a point of the hull: the least one is the best.
     """
     distance = float(np.linalg.norm(points, axis=1).min())
-    for _ in range(2):
+    for scale in (1.0, 1.0, 0.5, 2.0):
         if distance < TINY:
-            return distance
-        system = np.vstack([points.T / distance, np.ones(len(points))])
+            break
+        system = np.vstack([points.T / (scale * distance), np.ones(len(points))])
         weights, _ = nnls(system, np.array([0.0, 0.0, 0.0, 1.0]), maxiter=30 * len(points))
-        total = weights.sum()
-        if total <= 0.0:
-            return 0.0
-        # weights of points of the hull: the nearest one is their mean
-        distance = float(np.linalg.norm(weights @ points)) / total
+        if (total := weights.sum()) > 0.0:
+            # weights of points of the hull: the nearest one is their mean
+            distance = min(distance, float(np.linalg.norm(weights @ points)) / total)
     return distance
 
 
