@@ -128,10 +128,11 @@ def edge_edge(
     if not inside and not touched:
         return apart()
     outside = wp.where(inside, real(0.0), real(1.0))
-    on_owner = real(wp.clamp(s / area, wide(0.0), wide(1.0)))
-    on_partner = real(wp.clamp(t / area, wide(0.0), wide(1.0)))
-    foot = q + across * on_partner
-    return between(p + along * on_owner, foot, radius_i, radius_j, margin, outside)
+    # the foot of the other point: where edges are nearly parallel two quotients would err apart
+    s = wp.clamp(s / area, wide(0.0), wide(1.0))
+    t = wp.clamp((vw + s * uv) / vv, wide(0.0), wide(1.0))
+    foot = q + across * real(t)
+    return between(p + along * real(s), foot, radius_i, radius_j, margin, outside)
 
 
 @functools.cache
@@ -173,10 +174,10 @@ def vertex_face(*, convex: bool, two_sided: bool) -> wp.Function:
         inside = bool(False)
         if height >= -geometry.depth[index]:
             if wp.static(convex):
-                inside = inside_convex(geometry, index, x, height)
+                inside = inside_convex(geometry, shape, index, x, height)
             else:
                 if geometry.face_convex[index] != 0:
-                    inside = inside_convex(geometry, index, x, height)
+                    inside = inside_convex(geometry, shape, index, x, height)
                 else:
                     inside = inside_polygon(geometry, shape, index, x)
         if not inside and not touched:

@@ -1,14 +1,20 @@
 """Whether a vertex lies over a face, in the frame of the face's shape."""
 
 import warp as wp
-from warpdem.kernels.precision import real, vec3
+from warpdem.kernels.precision import NARROW, real, vec3
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Geometry
 
+# where another face is nearer by such a part, a vertex behind a face does not belong to it
+NEARER = wp.constant(real(1.0 - (1.0e-5 if NARROW else 1.0e-9)))
+
 
 @inlined()
-def inside_convex(geometry: Geometry, face: int, x: vec3, height: real) -> bool:
-    """Whether x (shape frame) lies over a convex face, or behind it nearer than its neighbours."""
+def inside_convex(geometry: Geometry, shape: int, face: int, x: vec3, height: real) -> bool:
+    """Whether x (shape frame) lies over a convex face, or behind it nearer than its neighbours.
+
+    Of a convex solid: nearer than all other faces, which a vertex beyond one of them is not.
+    """
     for side in range(geometry.side_start[face], geometry.side_start[face + 1]):
         plane = geometry.side_above[side]
         if height < real(0.0):
@@ -18,6 +24,10 @@ def inside_convex(geometry: Geometry, face: int, x: vec3, height: real) -> bool:
             return False
         if out == real(0.0):
             if geometry.side_open[side] != 0:
+                return False
+    if height < real(0.0) and geometry.face_convex[face] == 2:
+        for other in range(geometry.face_start[shape], geometry.face_start[shape + 1]):
+            if wp.dot(geometry.normal[other], x) - geometry.offset[other] > height * NEARER:
                 return False
     return True
 

@@ -38,7 +38,7 @@ class Geometry:
     normal: wp.array(dtype=vec3)
     offset: wp.array(dtype=real)
     depth: wp.array(dtype=real)  # how far behind the face a vertex still belongs to it
-    face_convex: wp.array(dtype=wp.int32)
+    face_convex: wp.array(dtype=wp.int32)  # 1; 2: that of a convex solid
     side_start: wp.array(dtype=wp.int32)
     # of a side, a directed border edge of a face: inside is m.x <= o, above and below the face
     side_above: wp.array(dtype=vec4)

@@ -142,3 +142,9 @@ def momenta(simulation):
     back = now.orientation * [1.0, -1.0, -1.0, -1.0]
     spun = turned(now.orientation, moment * turned(back, now.spin))
     return p.sum(axis=0), (np.cross(now.position, p) + spun).sum(axis=0)
+
+
+def energies_of(simulation):
+    """Kinetic, potential and elastic energy of all bodies now [J]."""
+    now = simulation.snapshot().energy
+    return now.kinetic + now.potential + now.elastic

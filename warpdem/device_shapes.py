@@ -92,7 +92,9 @@ def _features(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None
     geometry.normal = on(device, _join([s.face_normals for s in shapes], np.float64, 3), vec3)
     geometry.offset = on(device, _join([s.face_offsets for s in shapes], np.float64), real)
     geometry.depth = on(device, _join([_depths(s) for s in shapes], np.float64), real)
-    convex = _join([s.face_convex for s in shapes], np.int32)
+    solid = [2 if s.closed and s.convex else 1 for s in shapes]
+    faces = [k * s.face_convex.astype(np.int32) for k, s in zip(solid, shapes, strict=True)]
+    convex = _join(faces, np.int32)
     geometry.face_convex = on(device, convex, wp.int32)
 
 

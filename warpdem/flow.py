@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
+import warnings
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
-from zipfile import BadZipFile
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from warpdem.input.decode import problem_at
 from warpdem.input.scene_force import Fluid
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from warpdem.arrays import FloatArray
@@ -86,12 +89,25 @@ def read_flow(path: Path, array: str | None = None) -> Flow:
 def _read_npz(path: Path) -> Flow:
     try:
         with np.load(path, allow_pickle=False) as archive:
-            if missing := [key for key in _KEYS if key not in archive]:
-                raise FlowError(f"{path}: lacks {', '.join(missing)}; it needs {', '.join(_KEYS)}")
-            values = [np.asarray(archive[key], np.float64) for key in _KEYS]
-    except (OSError, BadZipFile, ValueError, TypeError) as error:
+            missing = [key for key in _KEYS if key not in archive]
+            values = [np.asarray(archive[key], np.float64) for key in _KEYS if not missing]
+    except Exception as error:  # noqa: BLE001 - a broken archive trips its reader anywhere
         raise FlowError(f"{path}: cannot be read as a NumPy archive: {error}") from None
+    if missing:
+        raise FlowError(f"{path}: lacks {', '.join(missing)}; it needs {', '.join(_KEYS)}")
     return Flow(*values)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Nothing is said of a broken file but by an exception: VTK logs, warns and goes on."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        logging.disable(logging.CRITICAL)
+        try:
+            yield
+        finally:
+            logging.disable(logging.NOTSET)
 
 
 def _read_vti(path: Path, array: str | None) -> Flow:
@@ -101,9 +117,10 @@ def _read_vti(path: Path, array: str | None) -> Flow:
         if b"ImageData" not in file.read(_HEAD):
             raise FlowError(f"{path}: is no VTK image data")
     try:
-        grid: Any = pyvista.read(path)
-    except (OSError, ValueError, RuntimeError) as error:
-        raise FlowError(f"{path}: cannot be read as VTK image data: {error}") from None
+        with _silent(), pyvista.vtk_verbosity("off"):
+            grid: Any = pyvista.read(path)
+    except (OSError, ValueError, RuntimeError, Warning):
+        raise FlowError(f"{path}: cannot be read as VTK image data") from None
     if not isinstance(grid, pyvista.ImageData) or grid.n_points == 0:
         raise FlowError(f"{path}: is no VTK image data")
     if not np.allclose(grid.direction_matrix, np.eye(3)):

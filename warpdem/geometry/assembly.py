@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
     from warpdem.arrays import BoolArray, FloatArray, IntArray
 
+FARTHEST = 1e15
+"""Largest coordinate [m]: its fifth power, as in an inertia, and sums of them are still numbers."""
+
 _PLANARITY = 1e-5  # of the size: how far a corner may lie off its polygon's plane
 _EMPTY = 1e-12  # of the size cubed: the least volume a solid encloses
 
@@ -66,15 +69,20 @@ def _checked_vertices(vertices: FloatArray | Sequence[Sequence[float]]) -> Float
         raise GeometryError("needs at least one vertex of three coordinates")
     if bad := np.flatnonzero(~np.isfinite(points).all(axis=1)).tolist():
         raise GeometryError(f"vertex {bad[0]} is not finite: {points[bad[0]].tolist()}")
+    if far := np.flatnonzero((np.abs(points) > FARTHEST).any(axis=1)).tolist():
+        raise GeometryError(
+            f"vertex {far[0]} lies beyond {FARTHEST:g} m: {points[far[0]].tolist()}; "
+            "check the units and the scale"
+        )
     return points
 
 
 def _checked_facets(faces: IntArray | Sequence[Sequence[int]], points: FloatArray) -> Facets:
     if not len(faces):
         return Facets(np.zeros(1, np.int64), np.zeros((0, 2), np.int64))
-    facets = facets_of(faces)
-    if short := np.flatnonzero(np.diff(facets.start) < 3).tolist():
+    if short := [k for k, face in enumerate(faces) if len(face) < 3][:1]:
         raise GeometryError(f"face {short[0]} has fewer than three corners; give an edge instead")
+    facets = facets_of(faces)
     unknown = facets.owner[(facets.sides[:, 0] < 0) | (facets.sides[:, 0] >= len(points))]
     if len(unknown):
         raise GeometryError(

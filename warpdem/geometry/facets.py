@@ -101,6 +101,11 @@ class Facets:
         )
 
 
+def _numbered(corner: int) -> int:
+    """A vertex number; -1, which no vertex has, for what is too large to be one."""
+    return corner if -(2**63) <= corner < 2**63 else -1
+
+
 def facets_of(faces: Sequence[Sequence[int]] | IntArray) -> Facets:
     """Facets of one loop each.
 
@@ -113,7 +118,7 @@ def facets_of(faces: Sequence[Sequence[int]] | IntArray) -> Facets:
         corners = faces.reshape(-1).astype(np.int64)
     else:
         length = np.array([len(face) for face in faces], np.int64)
-        corners = np.array([corner for face in faces for corner in face], np.int64)
+        corners = np.array([_numbered(corner) for face in faces for corner in face], np.int64)
     start = np.concatenate([[0], np.cumsum(length)]).astype(np.int64)
     following = np.arange(1, len(corners) + 1)
     following[start[1:] - 1] = start[:-1]

@@ -93,7 +93,8 @@ class Cells:
         if self.order == 2:  # solid angle of a flat triangle's element
             a, b, c = (self.corners[:, k] for k in range(3))
             height = np.abs(np.einsum("ij,ij->i", a, np.cross(b - a, c - a)))
-            height /= 2.0 * self.measure
+            # a triangle without area weighs nothing
+            height /= np.maximum(2.0 * self.measure, np.finfo(float).tiny)
             weights = weights * height[:, None] / np.linalg.norm(points, axis=-1) ** 3
         return points, weights
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import fsum
+from math import fsum, isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 from warpdem.input.scene_reading import (
@@ -109,10 +109,12 @@ def _flat(polygon: Sequence[Any]) -> str:
     if len(corners) < 3:
         return ""
     (x0, y0), turned = corners[0], [*corners[1:], corners[0]]
-    area = fsum(
+    parts = [
         (ax - x0) * (by - y0) - (bx - x0) * (ay - y0)
         for (ax, ay), (bx, by) in zip(corners, turned, strict=True)
-    )
+    ]
+    # too far apart, or no numbers: told elsewhere
+    area = fsum(parts) if all(map(isfinite, parts)) else nan
     return "" if area else "encloses no area: the corners lie on a line"
 
 

@@ -36,7 +36,9 @@ def read(table: Any, key: str) -> Any:
 
 def given(table: Any, key: str) -> bool:
     """Whether the key was written rather than left at its default."""
-    return key in table if isinstance(table, Mapping) else attribute(key) in table.model_fields_set
+    if isinstance(table, Mapping):
+        return key in table
+    return attribute(key) in getattr(table, "model_fields_set", ())
 
 
 def text(table: Any, key: str) -> str | None:

@@ -89,8 +89,10 @@ def value_at(raster: Raster, x: FloatArray, y: FloatArray) -> FloatArray:
         y: The others.
     """
     rows, columns = raster.heights.shape
-    column = np.floor((x - raster.x[0]) / raster.cell + 0.5).astype(np.int64)
-    row = np.floor((raster.y[0] - y) / raster.cell + 0.5).astype(np.int64)
+    column = np.floor((x - raster.x[0]) / raster.cell + 0.5)
+    row = np.floor((raster.y[0] - y) / raster.cell + 0.5)
     inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
-    value = raster.heights[np.clip(row, 0, rows - 1), np.clip(column, 0, columns - 1)]
+    # numbers of cells far outside need not be whole numbers of the machine
+    place = (np.where(inside, number, 0.0).astype(np.int64) for number in (row, column))
+    value = raster.heights[tuple(place)]
     return np.where(inside, value, np.nan)

@@ -29,10 +29,11 @@ class Grid:
 
     def index(self, x: FloatArray, y: FloatArray) -> IntArray:
         """Number row * columns + column of the cell under each point; -1 outside."""
-        column = np.floor((np.asarray(x) - self.x) / self.cell).astype(np.int64)
-        row = np.floor((np.asarray(y) - self.y) / self.cell).astype(np.int64)
+        column = np.floor((np.asarray(x) - self.x) / self.cell)
+        row = np.floor((np.asarray(y) - self.y) / self.cell)
         inside = (column >= 0) & (column < self.columns) & (row >= 0) & (row < self.rows)
-        return np.where(inside, row * self.columns + column, -1)
+        # numbers of cells far outside need not be whole numbers of the machine
+        return np.where(inside, row * self.columns + column, -1.0).astype(np.int64)
 
 
 @dataclass(frozen=True, eq=False)
