@@ -38,7 +38,7 @@ def _low(way: Way) -> list[str]:
     """Changes that bring a few bodies near the floor, to land soon."""
     if not way.short:
         return []
-    region = "{ min = [-3.0, -3.0, 0.0], max = [3.0, 3.0, 1.7] }"
+    region = "{ min = [-4.0, -4.0, 0.0], max = [4.0, 4.0, 1.7] }"
     return [f"fill.0.region={region}", "fill.0.velocity=[0.0, 0.0, -3.0]"]
 
 
@@ -70,7 +70,7 @@ def _packed(way: Way, count: int, end: float, *, threads: int, by: float = 0.0) 
     if by:
         changes += [f"body.{k}.position={_aside(way, k, by)}" for k in range(5)]
     if way.short:
-        region = "{ min = [-0.25, -0.25, 0.0], max = [0.25, 0.25, 0.8] }"
+        region = "{ min = [-0.25, -0.25, 0.0], max = [0.25, 0.25, 1.4] }"
         changes += [f"fill.0.region={region}"]
     simulation = way.simulation("packing", *changes, threads=threads)
     simulation.advance(end)
