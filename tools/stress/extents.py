@@ -59,10 +59,16 @@ def sizes(way: Way) -> Iterator[Figure]:
     fall = -9.81 * simulation.dt**2 * 50.0
     off = float(np.abs(shot.position - start.position - [0.0, 0.0, fall]).max())
     yield Figure(f"{count} bodies: place after ten steps [m]", off, 1e-15)
+    # half as many: what one more body takes, whatever the lists are
+    half = way.simulation("crowd", f"fill.0.count={count // 2}")
+    half.advance(10 * half.dt)
     taken = _held(simulation)
-    note = f"{taken / 1e6:.4g} MB taken, {foreseen.total / 1e6:.4g} MB foreseen"
-    yield Figure(f"{count} bodies: memory beyond the foreseen, relative",
-                 taken / foreseen.total - 1.0, MEMORY, note)
+    each = (taken - _held(half)) / (count - count // 2)
+    sizes_of = foreseen.sizes["body"] + foreseen.sizes.get("vertex", 0)
+    note = f"{each:.0f} B a body, {taken / 1e6:.4g} MB of the {foreseen.total / 1e6:.4g} of a heap"
+    yield Figure(f"{count} bodies: memory of one against the foreseen, relative",
+                 abs(each / sizes_of - 1.0), MEMORY, note)
+    yield Figure(f"{count} bodies: memory over that foreseen", taken / foreseen.total, 1.0 + MEMORY)
 
 
 def _held(thing: Any) -> int:
