@@ -46,8 +46,11 @@ def sizes(way: Way) -> Iterator[Figure]:
         simulation = way.simulation("free", "run.duration=1.0", "run.dt=1e-2", *changes)
         simulation.advance(1.0)
         shot = simulation.snapshot(contacts=True)
-        yield Figure(f"{what}: steps not done, numbers not finite",
-                     abs(simulation.step_count - 100) + unclean(shot), 0.0)
+        yield Figure(
+            f"{what}: steps not done, numbers not finite",
+            abs(simulation.step_count - 100) + unclean(shot),
+            0.0,
+        )
     count = way.pick(1_000_000, 20_000)
     scene = way.scene("crowd", f"fill.0.count={count}")
     foreseen = check(scene).memory
@@ -66,8 +69,12 @@ def sizes(way: Way) -> Iterator[Figure]:
     each = (taken - _held(half)) / (count - count // 2)
     sizes_of = foreseen.sizes["body"] + foreseen.sizes.get("vertex", 0)
     note = f"{each:.0f} B a body, {taken / 1e6:.4g} MB of the {foreseen.total / 1e6:.4g} of a heap"
-    yield Figure(f"{count} bodies: memory of one against the foreseen, relative",
-                 abs(each / sizes_of - 1.0), MEMORY, note)
+    yield Figure(
+        f"{count} bodies: memory of one against the foreseen, relative",
+        abs(each / sizes_of - 1.0),
+        MEMORY,
+        note,
+    )
     yield Figure(f"{count} bodies: memory over that foreseen", taken / foreseen.total, 1.0 + MEMORY)
 
 

@@ -22,7 +22,7 @@ GATE = 1e-3
 
 
 def laws(way: Way) -> Iterator[Figure]:
-    """zeta 1.5, e .05, kt/kn 10, mu 0 and 1e3."""
+    """Damping ratio 1.5, e .05, kt/kn 10, mu 0 and 1e3."""
     zeta = 1.5
     shot = _impact(way, "contact.0.damping_ratio=1.5", drop="en2")
     expected = exp(-2.0 * zeta * acosh(zeta) / sqrt(zeta**2 - 1.0))

@@ -5,7 +5,7 @@ from warpdem.kernels.custom import Kinematics, Parameters, Touch, real
 
 
 @wp.func
-def broken(touch: Touch, motion: Kinematics, parameters: Parameters) -> real:
+def broken(touch: Touch, motion: Kinematics, parameters: Parameters) -> real:  # noqa: ARG001 - as laws are called
     """Linear spring, NaN beyond an overlap."""
     force = touch.stiffness * touch.overlap
     if touch.overlap > parameters[0]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -90,7 +91,7 @@ def drum(way: Way) -> Iterator[Figure]:
     for share in np.linspace(0.0, 1.0, 11)[1:]:
         simulation.advance(steps * float(share) * simulation.dt)
         marks.append(simulation.snapshot())
-    worst = min(b.energy.friction - a.energy.friction for a, b in zip(marks, marks[1:], strict=False))
+    worst = min(b.energy.friction - a.energy.friction for a, b in pairwise(marks))
     shot = marks[-1]
     work = shot.energy.work
     note = f"{shot.step} steps, {work:.3g} J of work, {shot.energy.friction / work:.2f} by friction"

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import tempfile
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rig import HERE, Figure, Way, refusal, unclean
+
 from warpdem.errors import UnstableError, WarpdemError
 from warpdem.input.decode import load
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
 CHECK = 64
 """Steps within which a number that is none must be noticed."""
@@ -45,8 +47,9 @@ def overlaps(way: Way) -> Iterator[Figure]:
     """Two hundred balls that overlap by up to 2 R: an error that lists them; `relax` parts them."""
     tables = _thrown(way.pick(200, 40))
     message = refusal(lambda: way.simulation("overlaps", body=tables))
-    yield Figure("without relax: pairs not named", float(message.count("ball ") < 2), 0.0,
-                 message[:90])
+    yield Figure(
+        "without relax: pairs not named", float(message.count("ball ") < 2), 0.0, message[:90]
+    )
     simulation = way.simulation("overlaps", "run.relax={}", body=tables)
     fastest = 0.0
     for _ in range(20):
@@ -76,7 +79,7 @@ def meshes(way: Way) -> Iterator[Figure]:
 def _told(way: Way, shape: dict[str, Any]) -> tuple[float, float, str]:
     """1.0, the gate 0.0, and what was said; 0.0 where it was said."""
     named = {"name": "thing", **shape}
-    rest = way.scene("one").shape[1].model_dump()
+    rest = way.scene("one").shape[1].model_dump(exclude_unset=True)
 
     def run() -> Any:
         simulation = way.simulation("one", "shape=[]", shape=[named, rest])
@@ -132,7 +135,7 @@ def _mesh(
     path: Path, vertices: list[list[float]], faces: list[list[int]], rounding: float = 0.01
 ) -> dict[str, Any]:
     lines = ["v " + " ".join(map(repr, vertex)) for vertex in vertices]
-    triangles = [[face[0], *pair] for face in faces for pair in zip(face[1:], face[2:], strict=False)]
+    triangles = [[face[0], *pair] for face in faces for pair in pairwise(face[1:])]
     lines += ["f " + " ".join(str(k + 1) for k in corner) for corner in triangles]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
     return {"kind": "mesh", "file": str(path), "rounding": rounding}

@@ -15,14 +15,16 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
 
-from warpdem.errors import WarpdemError  # noqa: E402 - after the path
+from warpdem.converting.toml import toml  # noqa: E402 - after the path
+from warpdem.errors import WarpdemError  # noqa: E402 - the same
+from warpdem.input.decode import loads  # noqa: E402 - the same
 from warpdem.input.overrides import apply  # noqa: E402 - the same
-from warpdem.input.scene import Scene  # noqa: E402 - the same
 from warpdem.simulation import Simulation  # noqa: E402 - the same
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from warpdem.input.scene import Scene
     from warpdem.snapshot import Snapshot
 
 SCENES = HERE / "scenes"
@@ -92,11 +94,10 @@ class Way:
             law.pop(drop, None)
         for key, tables in more.items():
             data[key] = [*data.get(key, []), *tables]
-        return Scene.model_validate(data).located(path)
+        # as the program reads it, so that it says what is wrong in its own words
+        return loads(toml(data, [], {}), str(path)).located(path)
 
-    def simulation(
-        self, name: str, *changes: str, threads: int = 1, **more: Any
-    ) -> Simulation:
+    def simulation(self, name: str, *changes: str, threads: int = 1, **more: Any) -> Simulation:
         """The bodies of a scene file, ready to move."""
         return Simulation(self.scene(name, *changes, **more), device="cpu", threads=threads)
 

@@ -18,13 +18,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import rig  # noqa: I001 - it finds the program
 import bonds
 import extents
 import flights
 import impacts
+import numpy as np
 import packings
 import refusals
+import rig
 import slopes
 import stacks
 import towers
@@ -33,8 +34,7 @@ import walls
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-Scene = "Callable[[rig.Way], Iterable[rig.Figure]]"
-ROWS: dict[str, Any] = {
+ROWS: dict[str, Callable[[rig.Way], Iterable[rig.Figure]]] = {
     "heavy": stacks.heavy,
     "stiff": stacks.stiff,
     "needles": packings.needles,
@@ -64,12 +64,12 @@ HEAD = f"{'scene':10} {'metric':58} {'figure':>10} {'gate':>9}"
 def measured(name: str, way: rig.Way) -> dict[str, Any]:
     """Figures of a scene and its time; a traceback is a figure that fails."""
     since = time.perf_counter()
+    figures: list[rig.Figure] = []
     try:
-        figures = list(ROWS[name](way))
-    except Exception:  # noqa: BLE001 - whatever breaks is what is looked for
-        last = traceback.format_exc().strip().splitlines()[-1]
+        figures.extend(ROWS[name](way))
+    except Exception as fault:  # noqa: BLE001 - whatever breaks is what is looked for
         traceback.print_exc()
-        figures = [rig.Figure("ends without a traceback", 1.0, 0.0, last)]
+        figures.append(rig.Figure("ends by itself", np.nan, 0.0, str(fault).splitlines()[0][:90]))
     return {"name": name, "figures": figures, "seconds": time.perf_counter() - since}
 
 

@@ -73,7 +73,9 @@ def limit(way: Way) -> Iterator[Figure]:
     simulation = _corners(way, count, "auto")
     exact = largest_step(simulation.snapshot(contacts=True), MASS, MOMENT, KN, KT)
     unit = (MASS / KN) ** 0.5
-    yield Figure("exact limit against .3229 sqrt(m/kn), relative", abs(exact / unit / 0.3229 - 1), 0.01)
+    yield Figure(
+        "exact limit against .3229 sqrt(m/kn), relative", abs(exact / unit / 0.3229 - 1), 0.01
+    )
     bound = simulation.step_bound()
     yield Figure("bound over the exact limit", bound / exact, 1.0, "at least .9 wanted")
     powers = way.pick(range(-12, 1), (-12, -4, -1, 0))
@@ -85,8 +87,11 @@ def limit(way: Way) -> Iterator[Figure]:
         note = "refused when read" if refused else ""
         yield Figure(f"one over what they grow by, step 2^{k} of it", 1.0 / growth, 1e-3, note)
     low, high = 1.0, 1.1
-    yield Figure("speeds grow by, step .999 of the exact limit",
-                 _growth(way, count, 0.999 * exact, steps), 10.0)
+    yield Figure(
+        "speeds grow by, step .999 of the exact limit",
+        _growth(way, count, 0.999 * exact, steps),
+        10.0,
+    )
     for _ in range(way.pick(6, 3)):
         middle = 0.5 * (low + high)
         stable = _growth(way, count, middle * exact, steps) < 1e3
@@ -158,5 +163,5 @@ def _bodies(
 
 def _with_floor_last(way: Way, tables: list[dict[str, Any]], *changes: str) -> Simulation:
     """The scene with the cubes before its floor: they are bodies 0, 1 ..."""
-    floor = way.scene("tower").body[0].model_dump()
+    floor = way.scene("tower").body[0].model_dump(exclude_unset=True)
     return way.simulation("tower", *changes, "body=[]", body=[*tables, floor])
