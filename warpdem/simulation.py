@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import warp as wp
 
-from warpdem import observe, resume
+from warpdem import local_origin, observe, resume
 from warpdem.bonds.creation import bonds_of
 from warpdem.build import build
 from warpdem.checks.check import build_shapes
@@ -91,7 +91,8 @@ class Simulation:
         self.polyhedra = build_shapes(scene)
         tell("places of bodies")
         self.placement = place(scene, self.polyhedra)
-        placed = (scene, self.placement, self.polyhedra)
+        self._origin = local_origin.of(scene, self.placement)
+        placed = (*local_origin.moved(scene, self.placement, self._origin), self.polyhedra)
         tell("bonds, time step, drivers")
         self.features = features_of(*placed)
         interfaces = bonds_of(*placed)
@@ -113,10 +114,8 @@ class Simulation:
         sizes = sorted({1, self._crew_size()})
         self._crews = [cut(self._state, count, size, self.device) for size in sizes]
         self._time, self._time_steps = 0.0, 0
-        self._warned = False
+        self._warned, self._chunk, self.loop_seconds = False, 1, 0.0
         self._sunk: set[tuple[int, int]] = set()
-        self._chunk = 1
-        self.loop_seconds = 0.0
         self._compile(tell)
         tell("first forces")
         self._first_forces()
@@ -161,7 +160,7 @@ class Simulation:
 
     def snapshot(self, *, contacts: bool = False) -> Snapshot:
         """The state now, on the host."""
-        return observe.snapshot(
+        shot = observe.snapshot(
             self._model,
             self._state,
             self._lists,
@@ -171,6 +170,7 @@ class Simulation:
             energy_start=self._energy_start,
             contacts=contacts,
         )
+        return local_origin.shown(shot, self._origin, self._model)
 
     def pair_energies(self) -> tuple[np.ndarray, np.ndarray]:
         """Owner of each body pair in the lists, and the elastic energy of its contacts [J].

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rig import HERE, Figure, Way, refusal, unclean
 
+from warpdem.checks.check import check
 from warpdem.errors import UnstableError, WarpdemError
 from warpdem.input.decode import load
 
@@ -90,7 +91,7 @@ def _told(way: Way, shape: dict[str, Any]) -> tuple[float, float, str]:
     if message:
         return float("thing" not in message and "shape" not in message), 0.0, message[-100:]
     simulation = run()
-    notes = [*simulation.polyhedra["thing"].notes, *simulation.notes]
+    notes = [*simulation.polyhedra["thing"].notes, *check(simulation.scene).warnings]
     clean = unclean(simulation.snapshot()) == 0
     return float(not (notes and clean)), 0.0, f"runs; {'; '.join(notes)[:90] or 'no note'}"
 
