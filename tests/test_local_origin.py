@@ -21,14 +21,14 @@ def dropped(by, **more):
         "body": [
             {
                 "shape": "block",
-                "position": (by + [0.125, 0.0625, 0.0625]).tolist(),
+                "position": np.add(by, [0.125, 0.0625, 0.0625]).tolist(),
                 "orientation": [0.8, 0.36, 0.48, 0.0],
                 "velocity": [0.5, 0.25, -1.0],
             },
             {
                 "name": "floor",
                 "shape": "floor",
-                "position": (by + [0.0, 0.0, -0.5]).tolist(),
+                "position": np.add(by, [0.0, 0.0, -0.5]).tolist(),
                 "fixed": True,
             },
         ],
