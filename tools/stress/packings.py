@@ -18,7 +18,7 @@ LOOKS = 100
 
 def needles(way: Way) -> Iterator[Figure]:
     """Two hundred needles 1 x .01 x .01 m and fifty plates 1 x 1 x .01 m dropped on a floor."""
-    count, end = way.pick((250, 1.5), (30, 0.15))
+    count, end = way.pick((250, 0.9), (30, 0.15))
     simulation = way.simulation("needles", f"fill.0.count={count}", *_low(way))
     start = simulation.snapshot().energy
     begun = start.kinetic + start.potential + start.elastic
