@@ -108,6 +108,7 @@ def dashpot(laws: Laws) -> wp.Function:
     return dashpot
 
 
+@functools.cache
 def pair_forces(laws: Laws) -> wp.Kernel:
     """Kernel of the contact wrench of each body pair."""
     find = find_touching(laws)

@@ -129,6 +129,15 @@ def test_doubts_are_warnings(override, expected):
     assert report(override).warnings == ((expected,) if expected else ())
 
 
+@pytest.mark.parametrize(("faces", "doubted"), [(5, True), (6, False)])
+def test_free_bodies_of_an_open_box_are_a_warning(faces, doubted):
+    corners = [[x, y, z] for x in (0.0, 0.1) for y in (0.0, 0.1) for z in (0.0, 0.1)]
+    sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    box = f'{{name="block", kind="polyhedron", vertices={corners}, faces={sides[:faces]}'
+    found = report(f"shape.0={box}, rounding=0.01}}").warnings
+    assert [line.startswith('shape "block" is open') for line in found] == [True] * doubted
+
+
 @pytest.mark.parametrize(("kn", "doubted"), [(1e5, True), (1e8, False)])
 def test_contacts_stiffer_than_what_breaks_are_a_warning(kn, doubted):
     bond = f'{{between="outer", rule="vertices", tolerance=1e-4, kn={kn}, kt=1e5, ft0=1.0}}'

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from colliding import FLOOR, LAW, heap, run, same, scene, strips
+from warpdem.kernels.forces import pair_forces
 
 from warpdem.checks.timestep import masses
 from warpdem.errors import UnstableError, WarpdemError
@@ -45,6 +46,14 @@ def test_fixed_bodies_alone_stay_and_driven_ones_move():
     moved = run([{**FLOOR, "velocity": [1.0, 0.0, 0.0], "spin": [0.0, 0.0, 2.0]}], 1.0).snapshot()
     assert moved.position[0] == pytest.approx([1.0, 0.0, -2.0], rel=1e-12)
     assert moved.orientation[0] == pytest.approx([np.cos(1.0), 0.0, 0.0, np.sin(1.0)], rel=1e-9)
+
+
+def test_a_second_simulation_of_the_same_laws_composes_no_pair_kernel():
+    run([STATIC, FLOOR], 1e-3)
+    composed = pair_forces.cache_info().misses
+    run([STATIC, FLOOR], 1e-3)
+    assert composed > 0
+    assert pair_forces.cache_info().misses == composed
 
 
 def test_scene_without_bodies_runs():

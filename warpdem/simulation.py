@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from warpdem import observe, resume
+from warpdem import local_origin, observe, resume
 from warpdem.bonds.creation import bonds_of
 from warpdem.build import build
 from warpdem.checks.check import build_shapes
@@ -91,7 +91,8 @@ class Simulation:
             tell("overlaps at the start")
             own = (self.placement, self.polyhedra)
             self.placement = relaxed(Simulation, scene, *own, device=device, threads=threads)
-        placed = (scene, self.placement, self.polyhedra)
+        self._origin = local_origin.of(scene, self.placement)
+        placed = (*local_origin.moved(scene, self.placement, self._origin), self.polyhedra)
         tell("bonds, time step, drivers")
         self.features = features_of(*placed)
         interfaces = bonds_of(*placed)
@@ -173,7 +174,7 @@ class Simulation:
 
     def snapshot(self, *, contacts: bool = False) -> Snapshot:
         """The state now, on the host."""
-        return observe.snapshot(
+        shot = observe.snapshot(
             self._model,
             self._state,
             self._lists,
@@ -183,6 +184,7 @@ class Simulation:
             energy_start=self._energy_start,
             contacts=contacts,
         )
+        return local_origin.shown(shot, self._origin, self._model)
 
     def pair_energies(self) -> tuple[np.ndarray, np.ndarray]:
         """Owner of each body pair in the lists, and the elastic energy of its contacts [J].

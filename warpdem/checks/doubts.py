@@ -42,6 +42,7 @@ def all_of(
     radii = bound * placement.scale
     return (
         *_idle(scene, placement, polyhedra),
+        *_shells(placement, polyhedra),
         *_slippery(scene),
         *_stiff_contacts(scene, placement),
         *_steps(scene, step),
@@ -61,6 +62,17 @@ def _idle(scene: Scene, placement: Placement, polyhedra: Mapping[str, Polyhedron
     for group in scene.group:
         if group.name not in present:
             yield f'no body is in the group "{group.name}"'
+
+
+def _shells(placement: Placement, polyhedra: Mapping[str, Polyhedron]) -> Iterator[str]:
+    """Free bodies whose faces enclose nothing, though there are several."""
+    free = {list(polyhedra)[k] for k in np.unique(placement.shape[~placement.fixed])}
+    for name, shape in polyhedra.items():
+        if name in free and not shape.closed and len(shape.face_offsets) > 1:
+            yield (
+                f'shape "{name}" is open: its free bodies are shells of {shape.volume:.4g} m^3, as '
+                "thick as twice its rounding; close its surface if a solid is meant"
+            )
 
 
 def _slippery(scene: Scene) -> Iterator[str]:
