@@ -22,9 +22,11 @@ def implicit_share(decay: real) -> real:
     """Least beta for which dashpots are stable, ``decay`` = dt c/m of the fastest mode of a body.
 
     decay < 1 + 2 beta, with room for the springs. Of no effect where zeta omega dt is larger: one
-    contact, or steps fine enough.
+    contact, or steps fine enough. With half of the decay alone velocities would change sign each
+    step, the less damped the larger it is: hence more of it beyond 4.
     """
-    return real(0.5) * decay - real(0.125)
+    much = wp.max(decay - real(4.0), real(0.0))
+    return real(0.5) * decay - real(0.125) + real(0.25) * much
 
 
 @wp.func

@@ -40,6 +40,19 @@ def test_a_column_of_slabs_gains_no_energy_at_the_automatic_step(e):
     assert abs(energy.balance) < free
 
 
+def test_a_light_block_under_a_heavy_one_stays_in_place_however_strong_its_dashpots():
+    shapes = [box("light", (1.0, 1.0, 1.0), rounding=0.05), box("heavy", (1.2, 1.2, 1.2), rounding=0.05)]
+    bodies = [body("light", [0.0, 0.0, 0.5]), body("heavy", [0.0, 0.0, 1.6], mass=1e6)]
+    rules = law(1e8, kt=8e7, mu=0.5, zeta=100.0)
+    simulation = laboratory(shapes, bodies, rules, dt="auto", gravity=(0.0, 0.0, -9.81))
+    simulation.advance(0.1)
+    shot = simulation.snapshot()
+    assert np.abs(shot.position[0, :2]).max() < 1e-9
+    # half as deep as the heavy one, which falls less than freely
+    assert 0.0 < 0.5 - shot.position[0, 2] < 0.5 * 0.5 * 9.81 * 0.1**2
+    assert abs(shot.energy.balance) < 0.02 * 1e6 * 9.81 * 0.1
+
+
 def test_implicit_share_keeps_the_fastest_decay_within_a_step():
     for decay in (0.1, 1.0, 5.0):
         beta = max(of(implicit_share, decay), 0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 from rig import Figure, Way, normal_forces, shots, speed, unclean
 
 if TYPE_CHECKING:
@@ -25,7 +26,20 @@ def heavy(way: Way) -> Iterator[Figure]:
         "heavy", *(f"body.{k}.position=[0.0, 0.0, {z!r}]" for k, z in enumerate(places))
     )
     weights = {(0, 2): (1e6 + 1.0) * G, (0, 1): 1e6 * G}
+    yield from _let_go(way, sum((below, above)))
     yield from _at_rest(simulation, way.pick(10.0, 0.3), weights, dict.fromkeys(weights, kn))
+
+
+def _let_go(way: Way, sinking: float) -> Iterator[Figure]:
+    """Put down without overlap; dashpots so strong that the heavy one comes to rest too."""
+    strong = [f"contact.{k}.damping_ratio=1000.0" for k in (0, 1)]
+    simulation = way.simulation("heavy", *strong, drop="en2")
+    (shot,) = shots(simulation, [way.pick(2.0, 0.1)])
+    aside = float(np.abs(shot.position[:2, :2]).max())
+    yield Figure("let go, zeta 1000: moved aside by [m]", aside, 1e-9)
+    if not way.short:
+        off = abs((1.6 - float(shot.position[1, 2])) / sinking - 1.0)
+        yield Figure("let go, zeta 1000: sinking against m g / K, relative", off, OVERLAP)
 
 
 def stiff(way: Way) -> Iterator[Figure]:
