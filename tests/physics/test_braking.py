@@ -41,7 +41,10 @@ def test_a_column_of_slabs_gains_no_energy_at_the_automatic_step(e):
 
 
 def test_a_light_block_under_a_heavy_one_stays_in_place_however_strong_its_dashpots():
-    shapes = [box("light", (1.0, 1.0, 1.0), rounding=0.05), box("heavy", (1.2, 1.2, 1.2), rounding=0.05)]
+    shapes = [
+        box("light", (1.0, 1.0, 1.0), rounding=0.05),
+        box("heavy", (1.2, 1.2, 1.2), rounding=0.05),
+    ]
     bodies = [body("light", [0.0, 0.0, 0.5]), body("heavy", [0.0, 0.0, 1.6], mass=1e6)]
     rules = law(1e8, kt=8e7, mu=0.5, zeta=100.0)
     simulation = laboratory(shapes, bodies, rules, dt="auto", gravity=(0.0, 0.0, -9.81))
