@@ -88,7 +88,7 @@ def read_flow(path: Path, array: str | None = None) -> Flow:
 
 def _read_npz(path: Path) -> Flow:
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             missing = [key for key in _KEYS if key not in archive]
             values = [np.asarray(archive[key], np.float64) for key in _KEYS if not missing]
     except Exception as error:  # noqa: BLE001 - a broken archive trips its reader anywhere
