@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -33,8 +34,10 @@ class Worker:
 
     def __init__(self, precision: str) -> None:
         command = [sys.executable, str(Path(__file__).with_name("worker.py")), precision]
-        pipe, away = subprocess.PIPE, subprocess.DEVNULL
-        self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=away, text=True)
+        pipe, self._said = subprocess.PIPE, TemporaryFile()  # noqa: SIM115 - as long as the process
+        self._process = subprocess.Popen(
+            command, stdin=pipe, stdout=pipe, stderr=self._said, text=True
+        )
         self._count = 0
 
     def prepare(self, case: str, run: dict[str, Any], steps: int) -> tuple[int, Any]:
@@ -55,6 +58,7 @@ class Worker:
     def close(self) -> None:
         """End the process."""
         self._process.communicate(timeout=60)
+        self._said.close()
 
     def _ask(self, **words: Any) -> Any:
         process = self._process
@@ -63,7 +67,10 @@ class Worker:
         process.stdin.write(json.dumps(words) + "\n")
         process.stdin.flush()
         if not (line := process.stdout.readline()):
-            raise RuntimeError(f"the worker ended on {words}")
+            self._said.seek(0)
+            last = self._said.read()[-1000:].decode(errors="replace")
+            status = process.wait(timeout=60)
+            raise RuntimeError(f"the worker ended with {status} on {words}\n{last}")
         return json.loads(line)
 
 
