@@ -72,9 +72,9 @@ def main() -> int:
             if options.plots:
                 options.plots.mkdir(parents=True, exist_ok=True)
                 draw(case, found, options.plots / f"{name}.png")
-    if options.json:
-        text = json.dumps([curve.as_dict() for curve in curves], indent=1)
-        options.json.write_text(text + "\n", encoding="utf-8")
+            if options.json:
+                text = json.dumps([curve.as_dict() for curve in curves], indent=1)
+                options.json.write_text(text + "\n", encoding="utf-8")
     lines = list(proofs(curves)) if options.proof else []
     print("\n".join(str(line) for line in lines))
     return 0 if all(line.passes for line in lines) else 1
