@@ -45,9 +45,8 @@ class SceneRun:
         assert case.measured is not None
         self._until = case.until
         dt = case.until / steps
-        scene = case.scene()
-        clock = {"duration": 2.0 * case.until, "dt": dt}
-        scene |= {"run": {**scene.get("run", {}), **clock, **run}}
+        scene, clock = case.scene(), {"duration": 2.0 * case.until, "dt": dt}
+        scene = {**scene, "run": {**scene.get("run", {}), **clock, **run}}
         self._simulation = Simulation(Scene.model_validate(scene), device="cpu", threads=1)
         self._start = self._simulation.checkpoint()
         self._simulation.advance(case.until)
