@@ -172,7 +172,7 @@ def features_of(
         **_drivers(scene, moving=bool(moving.any())),
         **_cell(scene),
         **_bonds(scene),
-        **_numerics(how, laws),
+        **_numerics(how, laws, free=not (contacts or scene.bond)),
         **_laws(scene, laws, polyhedra=polyhedral),
         **_forces(scene),
     )
@@ -183,7 +183,7 @@ def _turns(scene: Scene, moving: list[Polyhedron]) -> bool:
     asked = scene.output.orientation
     if asked == "auto":
         asked = scene.output.table
-    kicked = scene.run.resolved().rotation in KICKED
+    kicked = scene.run.resolved().rotation in {"auto", *KICKED}
     spheres = all(len(shape.vertices) == 1 and _is_spherical(shape) for shape in moving)
     return asked or bool(scene.bond) or not (spheres and kicked)
 
@@ -222,15 +222,16 @@ def _bonds(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _numerics(how: Numerics, laws: list[Contact]) -> dict[str, Any]:
-    """How the laws are stepped."""
+def _numerics(how: Numerics, laws: list[Contact], *, free: bool) -> dict[str, Any]:
+    """How the laws are stepped; ``free``: no body acts on another."""
+    drift = "rkmk4" if free else "no_squish"
     damped = any(law.damped for law in laws)
     friction = any(law.mu > 0 and law.kt > 0 for law in laws)
     rolling = any(law.kr > 0 and law.mur > 0 for law in laws)
     capped = [how.friction_cap == "elastic" and elastic_cap(law) for law in laws]
     return {
         "predicted": how.contact_update == "predicted",
-        "rotation": how.rotation,
+        "rotation": drift if how.rotation == "auto" else how.rotation,
         "first_step": how.first_step,
         "damped": damped,
         "pair_damping": damped and how.damping == "pair",

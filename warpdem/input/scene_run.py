@@ -28,10 +28,10 @@ class Numerics(Section):
     """Velocity a dashpot sees: "predicted", that of the step's end (second order); "lagged", that
     of the half step (first order)."""
 
-    rotation: Literal["no_squish", "rkmk4", "taylor", "euler"] = "no_squish"
+    rotation: Literal["auto", "no_squish", "rkmk4", "taylor", "euler"] = "auto"
     """Drift of orientations: "no_squish", symplectic, second order; "rkmk4", fourth order where
-    nothing turns the body, the better one in free flight; "taylor" and "euler", Rockable's and
-    exaDEM's, for comparison."""
+    nothing turns the body; "taylor" and "euler", Rockable's and exaDEM's, for comparison. "auto":
+    "rkmk4" where no contact and no bond may turn a body, else "no_squish"."""
 
     damping: Literal["pair", "contact"] = "pair"
     """What the restitution en2 holds for: "pair", a whole pair of bodies however many sub-contacts
