@@ -156,7 +156,9 @@ def test_heavy_top_nutates_in_the_period_of_the_elliptic_integral():
 @pytest.mark.parametrize(("count", "drift"), [(1, "rkmk4"), (2, "no_squish")])
 def test_what_nothing_can_turn_is_turned_by_rkmk4(count, drift):
     brick = {"kind": "box", "name": "brick", "size": [1.0, 2.0, 3.0]}
-    bodies = [{"shape": "brick", "position": [9.0 * k, 0.0, 0.0]} for k in range(count)]
+    bodies = [
+        {"shape": "brick", "density": 1.0, "position": [9.0 * k, 0.0, 0.0]} for k in range(count)
+    ]
     law = {"groups": ["default"] * 2, "kn": 1e5, "kt": 0.0, "mu": 0.0, "en2": 1.0}
     scene = {"run": {"duration": 1.0}, "shape": [brick], "body": bodies, "contact": [law]}
     assert Simulation(Scene.model_validate(scene), device="cpu").features.rotation == drift
