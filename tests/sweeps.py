@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from warpdem.kernels.precision import vec4
 
+from warpdem.first_forces import orient_all
 from warpdem.geometry.orientation import IDENTITY, product, turned
 from warpdem.input.scene import Scene
 from warpdem.simulation import Simulation
@@ -90,7 +91,14 @@ class Pair:
             {"shape": "second", "position": [0.0] * 3, "fixed": True, "scale": scales[1]},
         ]
         scene = {
-            "run": {"duration": 1.0, "dt": 1e-9, "skin": skin, "device": "cpu", **run},
+            "run": {
+                "duration": 1.0,
+                "dt": 1e-9,
+                "skin": skin,
+                "device": "cpu",
+                "overlap": "note",
+                **run,
+            },
             "gravity": {"vector": [0.0] * 3},
             "shape": [{**first, "name": "first"}, {**second, "name": "second"}],
             "body": bodies,
@@ -129,7 +137,7 @@ class Pair:
         bodies.orientation.assign(np.array([place[1][[1, 2, 3, 0]] for place in places]))
         for moving in (bodies.momentum, bodies.angular_momentum, bodies.force, bodies.torque):
             moving.zero_()
-        simulation._orient()
+        orient_all(simulation._model, simulation._state)
         if self._listed is None or self._moved(position, orientation) > 0.4 * self._skin:
             simulation._lists.rebuild(0.0)
             self._listed = position, orientation

@@ -19,10 +19,10 @@ SHEAR = [[0.0, 5.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
 STATE = ("position", "orientation", "velocity", "spin")
 
 
-def scene(bodies, cell=None, *, law=None, dt=2e-5, gravity=(0.0, 0.0, 0.0), **more):
+def scene(bodies, cell=None, *, law=None, dt=2e-5, gravity=(0.0, 0.0, 0.0), run=None, **more):
     """Bodies of density 1000, weightless, in a periodic cell if one is given."""
     tables = {
-        "run": {"duration": 10.0, "dt": dt},
+        "run": {"duration": 10.0, "dt": dt, **(run or {})},
         "gravity": {"vector": list(gravity)},
         "shape": SHAPES,
         "group": [{"name": "none"}],

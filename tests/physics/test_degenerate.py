@@ -65,7 +65,7 @@ def test_vertex_beyond_one_face_of_a_convex_solid_is_not_behind_another_one():
 def test_contact_is_the_same_at_every_size(shapes, factor):
     small = min(shape.get("rounding", 0.3) for shape in shapes)
     usual = Pair(*shapes, skin=1.0)
-    position, turn = lowered(usual, [0.02, 0.1, 0.99], small, TILTED)
+    position, turn = lowered(usual, [0.02, 0.1, 0.99], small, TILTED, step=min(0.1, small))
     scaled = Pair(*(times(shape, factor) for shape in shapes), skin=factor)
     one, other = usual.at(position, turn), scaled.at(position * factor, turn)
     assert other.contacts == one.contacts
@@ -148,4 +148,5 @@ def test_edges_that_are_nearly_parallel_bear_by_their_ends(angle):
     held = pair.at([0.0, 0.0, high - deep], product(about([0.0, 0.0, 1.0], angle), stood))
     assert len(held.contacts) == 2
     assert held.force == pytest.approx([0.0, 0.0, 2.0 * deep], rel=1e-9, abs=1e-7)
-    assert np.abs(held.torque).max() <= 1e-9
+    # the ends lie beside the other edge by half of .7 times the angle: they turn it a little
+    assert np.abs(held.torque).max() <= 1e-9 + 1e-2 * angle

@@ -103,7 +103,7 @@ def test_a_capsule_lies_on_a_plane_on_both_its_ends():
 
 def test_a_plane_pushes_a_body_back_from_any_depth():
     body = {"shape": "cube", "position": [0.0, 0.0, -30.0]}
-    simulation = made([body, PLANE], 0.0)
+    simulation = made([body, PLANE], 0.0, overlap="note")
     # eight vertices, each k d
     depth = np.array([30.45] * 4 + [29.55] * 4) + 0.05
     force = simulation.snapshot().force[0, 2]
