@@ -75,9 +75,12 @@ def normal_part(laws: Laws) -> wp.Function:
             approach = motion.approach_end
             if wp.static(laws.predicted and laws.damped):
                 # as the force of this step leaves it, not the one of the last
-                if touch.tau > real(0.0) and touch.stiffness > real(0.0):
+                stiffness = touch.stiffness
+                if wp.static(laws.once):
+                    stiffness = law.kn  # shares go to zero
+                if touch.tau > real(0.0):
                     renewed = touch.before - fn
-                    approach += renewed * touch.beta / (touch.stiffness * touch.tau)
+                    approach += renewed * touch.beta / (stiffness * touch.tau)
             lost = (fn - elastic) * approach
         acting = fn
         fn = wp.max(fn, real(0.0))

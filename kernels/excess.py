@@ -14,7 +14,7 @@ import warp as wp
 from warpdem.kernels.codes import EE, VV, feature_of_owner, feature_of_partner, kind_of
 from warpdem.kernels.framing import of_owner, of_partner
 from warpdem.kernels.precision import NARROW, real, vec3, vec4, wide3
-from warpdem.kernels.regions import vertex_count
+from warpdem.kernels.regions import restricted, vertex_count
 from warpdem.kernels.variant import inlined, place
 from warpdem.kernels.views import Bodies, Candidates, Geometry
 
@@ -49,7 +49,10 @@ def pull(p: vec3, q: vec3, shift: vec3, size: real) -> Excess:
     """A force towards q on a point p of the owner, both about a point at ``shift``."""
     away = p - q
     found = Excess()
-    found.force = away * (-size / wp.length(away))
+    distance = wp.length(away)
+    if distance == real(0.0):
+        return found
+    found.force = away * (-size / distance)
     found.torque = wp.cross(p + shift, found.force)
     return found
 
@@ -127,8 +130,15 @@ def share_out(
     start: int,
     touching: int,
 ) -> Excess:
-    """Set the shares of a pair's sub-contacts; what acts beside them."""
+    """Set the shares of a pair's sub-contacts; what acts beside them.
+
+    Those of a terrain are left whole: vertices that may not act there replace no edge.
+    """
     total = Excess()
+    if restricted(geometry, i) or restricted(geometry, j):
+        for slot in range(start, start + touching):
+            candidates.share[place(candidates.which[slot])] = real(1.0)
+        return total
     shift = vec3()
     if wp.static(NARROW):
         shift = vec3(d)

@@ -2,8 +2,10 @@
 
 Over a face, beyond both faces beside an edge, or beyond the ends of all edges at a vertex. Between
 convex solids the regions fill space without overlap, so each vertex counts once, and its distance
-to the other solid is a continuous function with a continuous gradient. The comparisons are those
-of the feature pairs themselves, bit by bit: where one region ends the next begins.
+to the other solid is a continuous function with a continuous gradient. Two regions part by one and
+the same comparison. Where three meet several do, and rounding might leave a vertex to none or to
+two: there faces reach over their borders and vertices over the ends of edges by ``TIE``, so that
+this does not happen right over a corner or a border, where aligned blocks are.
 """
 
 import functools
@@ -11,9 +13,20 @@ import functools
 import warp as wp
 from warpdem.kernels.codes import EV, VE, VV, feature_of_owner, feature_of_partner, kind_of
 from warpdem.kernels.framing import of_owner, of_partner
-from warpdem.kernels.precision import mat33, real, vec3, wide3
+from warpdem.kernels.precision import NARROW, mat33, real, vec3, wide3
 from warpdem.kernels.variant import inlined
 from warpdem.kernels.views import Bodies, Geometry
+
+# part of a size by which regions reach over, more than rounding
+TIE = 2.0e-5 if NARROW else 1.0e-9
+OVER = wp.constant(real(TIE))
+
+
+@inlined()
+def between_ends(r: real, square: real) -> bool:
+    """Whether a foot lies inside an edge, ``r`` from 0 to its squared length."""
+    slack = OVER * square
+    return r > slack and r < square - slack
 
 
 @inlined()
@@ -25,8 +38,16 @@ def beyond(geometry: Geometry, side: int, x: vec3) -> bool:
 
 
 @inlined()
-def over_edge(geometry: Geometry, rotation: mat33, body: int, edge: int, p: wide3) -> bool:
-    """Whether a point, about the body's centre, lies beyond the faces beside an edge."""
+def over_edge(
+    geometry: Geometry, rotation: mat33, body: int, edge: int, a: vec3, b: vec3, q: vec3, p: wide3
+) -> bool:
+    """Whether a point lies beside an edge from a to b, beyond the faces along it.
+
+    ``q`` is the point in the frame of framing.py, ``p`` the same about the body's centre.
+    """
+    e = b - a
+    if not between_ends(wp.dot(q - a, e), wp.dot(e, e)):
+        return False
     shape = geometry.shape[body]
     x = wp.transpose(rotation) * vec3(p) / geometry.scale[body]
     sides = geometry.edge_sides[geometry.edge_start[shape] + edge]
@@ -59,10 +80,12 @@ def over_vertex(*, owners: bool) -> wp.Function:
             a = place_of(bodies, arms + ends[0], d)
             e = place_of(bodies, arms + ends[1], d) - a
             r = wp.dot(q - a, e)
+            square = wp.dot(e, e)
+            slack = OVER * square
             if ends[0] == vertex:
-                if r > real(0.0):
+                if r > slack:
                     return False
-            elif r < wp.dot(e, e):
+            elif r < square - slack:
                 return False
         x = wp.transpose(bodies.rotation[body]) * vec3(p) / geometry.scale[body]
         for k in range(geometry.corner_start[index], geometry.corner_start[index + 1]):
@@ -112,6 +135,15 @@ def vertex_count(
 
 
 @inlined()
+def restricted(geometry: Geometry, body: int) -> bool:
+    """Whether directions of a body's edges and vertices are, as of a terrain: ends need not act."""
+    shape = geometry.shape[body]
+    first = geometry.vertex_start[shape] + geometry.edge_start[shape]
+    last = geometry.vertex_start[shape + 1] + geometry.edge_start[shape + 1]
+    return geometry.cone_start[last] > geometry.cone_start[first]
+
+
+@inlined()
 def is_nearest(
     geometry: Geometry, bodies: Bodies, i: int, j: int, d: wide3, code: wp.int64
 ) -> bool:
@@ -120,11 +152,29 @@ def is_nearest(
     a = feature_of_owner(code)
     b = feature_of_partner(code)
     if kind == VE:
-        p = d + wide3(bodies.arm[geometry.arm_start[i] + a])
-        return over_edge(geometry, bodies.rotation[j], j, b, p)
+        ends = geometry.edge[geometry.edge_start[geometry.shape[j]] + b]
+        return over_edge(
+            geometry,
+            bodies.rotation[j],
+            j,
+            b,
+            of_partner(bodies, geometry.arm_start[j] + ends[0], d),
+            of_partner(bodies, geometry.arm_start[j] + ends[1], d),
+            of_owner(bodies, geometry.arm_start[i] + a, d),
+            d + wide3(bodies.arm[geometry.arm_start[i] + a]),
+        )
     if kind == EV:
-        p = wide3(bodies.arm[geometry.arm_start[j] + b]) - d
-        return over_edge(geometry, bodies.rotation[i], i, a, p)
+        ends = geometry.edge[geometry.edge_start[geometry.shape[i]] + a]
+        return over_edge(
+            geometry,
+            bodies.rotation[i],
+            i,
+            a,
+            of_owner(bodies, geometry.arm_start[i] + ends[0], d),
+            of_owner(bodies, geometry.arm_start[i] + ends[1], d),
+            of_partner(bodies, geometry.arm_start[j] + b, d),
+            wide3(bodies.arm[geometry.arm_start[j] + b]) - d,
+        )
     if kind == VV:
         return vertex_count(geometry, bodies, i, j, d, a, b) > real(0.0)
     return True

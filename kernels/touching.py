@@ -10,7 +10,7 @@ from warpdem.kernels.matching import hand_over
 from warpdem.kernels.narrow import feature_pair
 from warpdem.kernels.normal import pair_frequency
 from warpdem.kernels.precision import real, vec3, wide, wide3, wide4
-from warpdem.kernels.regions import is_nearest
+from warpdem.kernels.regions import is_nearest, restricted
 from warpdem.kernels.sharing import SHARES
 from warpdem.kernels.variant import inlined, place
 from warpdem.kernels.views import Bodies, Candidates, Geometry, Inertia, Material
@@ -43,6 +43,9 @@ def find_touching(laws: Laws) -> wp.Function:
             reach = law.dncut
         freed = wide(0.0)
         unrolled = wide(0.0)
+        whole = bool(False)
+        if wp.static(laws.once and laws.cones):
+            whole = restricted(geometry, i) or restricted(geometry, j)
         for k in range(start, end):
             c = k
             if wp.static(laws.polyhedra):
@@ -57,7 +60,7 @@ def find_touching(laws: Laws) -> wp.Function:
                     near = near or (past[3] >= wide(0.0) and hit.gap < margin)
             inside = hit.outside == real(0.0)
             if wp.static(laws.once):
-                if near and inside:
+                if near and inside and not whole:
                     inside = is_nearest(geometry, bodies, i, j, d, candidates.code[c])
             if near and inside:
                 slot = start + touching

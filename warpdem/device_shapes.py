@@ -10,6 +10,7 @@ import warp as wp
 from warpdem.errors import CapacityError
 from warpdem.kernels.codes import BALL, CYLINDER, FEATURE_LIMIT, PLANE
 from warpdem.kernels.precision import real, vec3, vec4
+from warpdem.kernels.regions import TIE
 from warpdem.kernels.views import Geometry
 from warpdem.model import on
 
@@ -37,7 +38,7 @@ def shape_arrays(
     geometry = Geometry()
     _starts(geometry, shapes, device)
     _features(geometry, shapes, device)
-    _sides(geometry, shapes, device)
+    _sides(geometry, shapes, device, reach=TIE if once else 0.0)
     _cones(geometry, shapes, device)
     if once:
         _neighbours(geometry, shapes, device)
@@ -135,11 +136,13 @@ def _thickness(shape: Polyhedron, corners: FloatArray) -> FloatArray:
     return thickness
 
 
-def _sides(geometry: Geometry, shapes: list[Polyhedron], device: Any) -> None:
+def _sides(geometry: Geometry, shapes: list[Polyhedron], device: Any, *, reach: float) -> None:
+    """``reach``: part of a shape's size by which convex faces reach over their borders."""
     above, below, shared, starts = [], [], [], [np.zeros(1, np.int64)]
     total = 0
     for shape in shapes:
         over, under, tie = side_planes(shape)
+        over[:, 3] += reach * shape.bound * _bent(shape)
         above.append(over)
         below.append(under)
         shared.append(tie)
@@ -184,12 +187,29 @@ def _starting(counts: list[IntArray]) -> IntArray:
 def edge_sides(shape: Polyhedron) -> IntArray:
     """Two sides of faces along each edge, or -1, shape [edge_count, 2]."""
     found = np.full((len(shape.edges), 2), -1)
-    place = {tuple(sorted(map(int, ends))): k for k, ends in enumerate(shape.edges)}
-    for side, ends in enumerate(shape.side_vertices):
-        edge = place.get(tuple(sorted(map(int, ends))), -1)
-        if edge >= 0 and found[edge, 1] < 0:
-            found[edge, int(found[edge, 0] >= 0)] = side
+    if not len(shape.edges) or not len(shape.side_vertices):
+        return found
+    size = len(shape.vertices)
+    own = np.sort(np.asarray(shape.edges, np.int64), axis=1) @ (size, 1)
+    keys = np.sort(np.asarray(shape.side_vertices, np.int64), axis=1) @ (size, 1)
+    order = np.argsort(keys, kind="stable")
+    first = np.searchsorted(keys[order], own)
+    for k in range(2):
+        place = np.minimum(first + k, len(order) - 1)
+        has = (first + k < len(order)) & (keys[order[place]] == own)
+        found[has, k] = order[place[has]]
     return found
+
+
+def _bent(shape: Polyhedron) -> BoolArray:
+    """Sides of convex faces whose neighbour lies in another plane, shape [side_count]."""
+    count = len(shape.side_vertices)
+    if not count:
+        return np.zeros(0, bool)
+    face = np.repeat(np.arange(len(shape.face_offsets)), np.diff(shape.side_start))
+    other = np.asarray(shape.side_neighbour)
+    apart = np.linalg.norm(shape.face_normals[other] - shape.face_normals[face], axis=1)
+    return np.asarray(shape.face_convex, bool)[face] & ((other < 0) | (apart >= FLAT))
 
 
 def side_planes(shape: Polyhedron) -> tuple[FloatArray, FloatArray, IntArray]:

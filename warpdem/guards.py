@@ -110,12 +110,14 @@ class Guards:
         limit = STRIDE / float(rush[pair])
         if may_lower and limit > SLOWEST * self._scene.run.duration:
             return limit
+        if self._scene.run.overlap == "note":
+            return inf
         first, second = self._pair(pair)
         raise UnstableError(
             f'bodies "{first}" and "{second}" move towards each other by '
             f"{rush[pair] * now.dt:.3g} times the way to the middle of the thinner in one step at "
             f"{now}, and may go through each other: lower run.dt (now {now.dt:.3g} s) to "
-            f'{limit:.3g} s, or set it to "auto"',
+            f'{0.99 * limit:.2g} s, or set it to "auto"; run.overlap = "note" goes on',
             body=first,
             time=now.time,
         )

@@ -46,6 +46,10 @@ NEARLY = 0.2
 OFF = {"sleep": None, "relax": None, "energy_guard": None, "adaptive_dt": False, "overlap": "note"}
 
 
+STUCK = 100
+"""Steps without progress after which pairs that overlap too far are pushed along their centres."""
+
+
 def relaxed(
     make: Callable[..., Simulation],
     scene: Scene,
@@ -77,7 +81,14 @@ def relaxed(
     model, _, lists = simulation.parts
     met = np.zeros(0, dtype=np.int64)
     depths = measured_depths(model, lists)
-    while depths[:, 0].max(initial=0.0) > chosen.overlap:
+    least, since = np.inf, 0
+    while (deepest := depths[:, 0].max(initial=0.0)) > chosen.overlap:
+        if deepest < 0.99 * least:
+            least, since = deepest, simulation.step_count
+        elif simulation.step_count - since > STUCK:
+            # features that hold one another: centres part them
+            met = np.union1d(met, _keys(model, lists)[depths[:, 0] > chosen.overlap])
+            since = simulation.step_count
         if simulation.step_count >= chosen.steps:
             way = f"still after {chosen.steps} steps of [run.relax]; give more steps or room"
             simulation.guards.refuse(depths[:, 0], chosen.overlap, way)
@@ -145,12 +156,19 @@ def _met(
     """Pairs whose cores meet, or have met and still touch; and the keys of all pairs."""
     n = lists.pair_count
     i, j = lists.pairs.owner.numpy()[:n], lists.pairs.partner.numpy()[:n]
-    keys = i.astype(np.int64) * model.body_count + j
+    keys = _keys(model, lists)
     radius = model.geometry.radius.numpy()
     near = depths[:, 1] > -NEARLY * (radius[i] + radius[j])
     touching = lists.pairs.touching.numpy()[:n] > 0
     small = ~model.large[i] & ~model.large[j]
     return np.flatnonzero(small & touching & (near | np.isin(keys, before))), keys
+
+
+def _keys(model: Model, lists: Lists) -> IntArray:
+    """A number for each pair of bodies, whatever the lists, shape [pair_count]."""
+    n = lists.pair_count
+    owner, partner = lists.pairs.owner.numpy()[:n], lists.pairs.partner.numpy()[:n]
+    return owner.astype(np.int64) * model.body_count + partner
 
 
 def _part(  # noqa: PLR0917 - the same

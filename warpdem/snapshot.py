@@ -27,7 +27,8 @@ class Contacts:
         point: Contact point, world [m], shape [contact_count, 3].
         normal: Unit normal from j to i, world, shape [contact_count, 3].
         gap: Signed distance, negative in overlap [m], shape [contact_count].
-        normal_force: fn on i along the normal, positive repels [N], shape [contact_count].
+        normal_force: fn on i along the normal, positive repels [N], shape [contact_count]. What two
+            edges do beside it where they end (kernels/excess.py) is in the bodies' forces alone.
         tangential_force: ft on i, world [N], shape [contact_count, 3].
         moment: Rolling moment on i, world [N m], shape [contact_count, 3].
         bonded: It is a bond; these come last, sorted alike, open or closed; shape [contact_count].

@@ -38,7 +38,7 @@ def bonds(way: Way) -> Iterator[Figure]:
     scale = mass * np.abs(start.velocity).sum()
     yield Figure("momentum, relative", float(drift / scale), way.gate(1e-12, 1e-6))
     energy = start.energy.kinetic  # the bonds, stretched by one step, hold 1e-6 of it
-    off = abs(broken.released.sum() - account.broken) / energy
+    off = abs(broken.released.sum() / account.broken - 1.0)
     yield Figure("released against the account, relative", float(off), 1e-10)
     yield Figure("balance of energies, relative", abs(account.balance) / energy, 1e-10)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-VERSION = 1
+VERSION = 2
 """Of the file's layout; a change makes older checkpoints unreadable, and says so."""
 
 _STATE = "state/"
