@@ -59,7 +59,7 @@ def _standing(
     yield Figure(f"{what}: a cube turned about the vertical by [rad]", turned, twist)
     weights = {(k - 1, k): (count - k) * MASS * G for k in range(1, count)}
     weights[0, count] = count * MASS * G
-    loads = _loads(shot)
+    loads = _loads(simulation)
     off = max(abs(loads[pair] / weight - 1.0) for pair, weight in weights.items())
     yield Figure(f"{what}: loads against m g, relative", off, 1e-6)
     # crossing edges carry less than kn d where an end of theirs overlaps too
@@ -70,16 +70,14 @@ def _standing(
     yield Figure(f"{what}: numbers that are not finite", unclean(shot), 0.0)
 
 
-def _loads(shot: Snapshot) -> dict[tuple[int, int], float]:
-    """Vertical force between each two bodies that touch, the lower number first [N]."""
-    found: dict[tuple[int, int], float] = {}
-    contacts = shot.contacts
-    assert contacts
-    forces = np.abs(contacts.normal_force * contacts.normal[:, 2])
-    for (i, j), force in zip(contacts.bodies.tolist(), forces.tolist(), strict=True):
-        pair = (min(i, j), max(i, j))
-        found[pair] = found.get(pair, 0.0) + force
-    return found
+def _loads(simulation: Simulation) -> dict[tuple[int, int], float]:
+    """Vertical force between each two bodies near each other, the lower number first [N]."""
+    _, _, lists = simulation.parts
+    pairs, count = lists.pairs, lists.pair_count
+    bodies = zip(pairs.owner.numpy()[:count], pairs.partner.numpy()[:count], strict=True)
+    forces = np.abs(pairs.force.numpy()[:count, 2])
+    ordered = [(int(min(pair)), int(max(pair))) for pair in bodies]
+    return dict(zip(ordered, forces.tolist(), strict=True))
 
 
 def _yaw(shot: Snapshot) -> np.ndarray:
