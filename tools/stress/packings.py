@@ -45,7 +45,7 @@ def _low(way: Way) -> list[str]:
 
 def packing(way: Way) -> Iterator[Figure]:
     """Two thousand blocks, twice with different host threads; then all moved by 1e-12 m."""
-    count, end = way.pick((2000, 1.0), (100, 0.25))
+    count, end = way.pick((2000, 3.0), (100, 0.25))
     first = _packed(way, count, end, threads=1)
     again = _packed(way, count, end, threads=2)
     moved = _packed(way, count, end, threads=1, by=1e-12)

@@ -15,7 +15,12 @@ import numpy as np
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
 
-from warpdem.converting.toml import toml  # noqa: E402 - after the path
+from warpdem.precision import bind  # noqa: E402 - after the path
+
+if "mixed" in sys.argv:
+    bind("mixed")  # before anything imports the kernels
+
+from warpdem.converting.toml import toml  # noqa: E402 - the same
 from warpdem.errors import WarpdemError  # noqa: E402 - the same
 from warpdem.input.decode import loads  # noqa: E402 - the same
 from warpdem.input.overrides import apply  # noqa: E402 - the same
